@@ -1,8 +1,9 @@
-"""What all tests share: the options and the marker of this suite."""
+"""Options, markers and fixtures of all tests."""
 
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 from collections import Counter
 from collections.abc import Iterator
@@ -43,7 +44,16 @@ def pytest_configure(config: pytest.Config) -> None:
     """Know the markers of the tests that take long, and give default signals to the programs that tests start."""
     config.addinivalue_line("markers", "slow: takes a third of a second or more; runs where -m names it")
     config.addinivalue_line("markers", "exhaustive: goes through thousands of cases; runs where -m names it")
+    if config.getoption("update_cases") and config.getoption("numprocesses", 0):
+        raise pytest.UsageError("--update-cases writes files that all workers would share: run it without -n")
     restore_default_signals()
+    gc.disable()  # collecting the tests makes many objects that stay, and no garbage
+
+
+def pytest_collection_finish() -> None:
+    """Collect garbage again, but do not look through the tests for it."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -96,7 +96,7 @@ def _photograph_boards(visitor: Visitor, page: FollowedPage, folder: Path) -> No
     visitor.screen(*SCREEN)
     visitor.open(page.url)
     visitor.run("setTheme(false)")
-    visitor.until(lambda: "another schema" in visitor.text("#peers"))
+    visitor.until(lambda: "other protos" in visitor.text("#peers"))
     _write(folder / "boards.png", visitor, "#peers [data-key='hardware']")
 
 

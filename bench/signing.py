@@ -44,7 +44,7 @@ def _cost(length: int, rounds: int) -> Cost:
     """Return the fastest of some rounds, because other programs only ever make a round slower."""
     key, datagram, senders = Key(1, "board", bytes(range(32))), bytes([0x6A]) * length, frozenset(("board",))
     clock = SigningClock()
-    signer, verifier = Signer(_NUMBER, key, clock), Verifier(_NUMBER, [(key, 0)], clock)
+    signer, verifier = Signer(_NUMBER, key, clock), Verifier(_NUMBER, [(key, 0, clock)])
     sign = verify = float("inf")
     for _ in range(rounds):
         start = time.perf_counter()

@@ -16,7 +16,8 @@ from datetime import datetime, timedelta, timezone
 from itertools import islice
 from pathlib import Path
 
-from roverlink.generator.source_files import LARGEST, too_large, visible
+from roverlink.bounded_files import LARGEST, too_large
+from roverlink.generator.source_files import visible
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 # git sets these variables for a hook (githooks(5)). They select the hook's repository; the folder may be in another.
@@ -234,8 +235,13 @@ class Repository:
         """Return what git prints. ``index`` is the path of another index file than the usual one."""
         variables = environment() | ({"GIT_INDEX_FILE": index} if index else {})
         try:
+            # `git hash-object --stdin` would wait for what the user types.
             done = subprocess.run(  # noqa: S603  # no shell
-                command(self.folder, *arguments), capture_output=True, check=False, env=variables
+                command(self.folder, *arguments),
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                check=False,
+                env=variables,
             )
         except OSError as error:
             raise GitError(f"git cannot be run: {error.strerror}") from error

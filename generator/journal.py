@@ -66,11 +66,10 @@ class _Journal:
 
 def place_of(project: Path, path: str) -> Path | None:
     """Return where a file of the project is after all symbolic links; None if this is outside, or inside ``.git``."""
-    root = Path(os.path.realpath(project))
-    place = Path(os.path.realpath(root / path))
-    if place == root or not place.is_relative_to(root):
-        return None
-    return None if any(part.casefold() == ".git" for part in place.relative_to(root).parts) else place
+    root = os.path.realpath(project)  # as texts: this is asked for hundreds of files, and paths are slow
+    place = os.path.realpath(os.path.join(root, path))
+    inside = place.removeprefix(root.rstrip(os.sep) + os.sep)
+    return None if inside == place or ".git" in inside.casefold().split(os.sep) else Path(place)
 
 
 def switch(project: Path, changes: Iterable[tuple[str, str | None, str | None]]) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
 from roverlink.generator import ir, lock, source_files
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, has_errors, in_order
+from roverlink.generator.content_digest import table_digest
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, has_errors, in_order, shown
 from roverlink.generator.emit import emitter, envelope_file, targets
 from roverlink.generator.emit.writer import Change, compare
 from roverlink.generator.ir import ros_names
@@ -17,9 +18,10 @@ from roverlink.generator.ir.protobuf_facts import IMPLEMENTATION_NUMBERS
 from roverlink.generator.lint.context import Context, since_last_generate
 from roverlink.generator.lint.engine import lint
 from roverlink.generator.nanopb import row_sizes, table_bounds
-from roverlink.generator.protos.files import DeclarationIndex, index_declarations, read_protos
+from roverlink.generator.protos.files import index_declarations, read_protos
+from roverlink.generator.protos.parser import File
 from roverlink.generator.protos.proto_rules import NoEnvelopeFile, NoProtoRoot
-from roverlink.generator.protos.protoc import Compilation, compile_protos
+from roverlink.generator.protos.protoc import Compilation, compile_protos, compile_tree
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.locate import locate, locate_anys
 from roverlink.generator.resolve.resolver import resolve, resolve_envelope
@@ -144,7 +146,8 @@ def _compiled(
     # shows all of them; only at the end does an error stop the compiler.
     table = reader.parse(text, table_path.name, findings)
     published = published or lock.read(project / lock.NAME, findings)
-    index = _collecting(findings, lambda: _index(table, project)) if table.proto.root else None
+    declared = _collecting(findings, lambda: _declared(table, project)) if table.proto.root else None
+    index = None if declared is None else index_declarations(declared, table.proto.exclude)
     files = {} if index is None else locate(table, index, findings)
     listed = {} if index is None else locate_anys(table, index, findings)
     envelope = resolve_envelope(table, files, published)
@@ -159,9 +162,14 @@ def _compiled(
     if compilation is not None and envelope.message in compilation.schema.messages:
         bounds = table_bounds(table, compilation.schema, project / table.proto.root, findings)
         sizes = row_sizes(table, compilation.schema, bounds)
-        bridge = resolve(table, compilation, envelope, bounds, sizes, findings)
+        protos = {shown(table.proto.root, file): digest for file, digest in compilation.digests.items()}
+        bridge = dataclasses.replace(
+            resolve(table, compilation, envelope, bounds, sizes, findings),
+            sources={table.file: table_digest(text), **protos},
+        )
     if has_errors(findings) or bridge is None:
         raise DiagnosticsError(in_order(findings))
+    findings += _broken_besides(table, project, envelope, declared or (), schema)
     # The proto root may be the whole project, with virtual environments in it: only an envelope is ours there.
     folders = {**({table.proto.root: ".proto"} if envelope.ours else {}), bridge.folder: ""}
     # Nothing is emitted from a table with errors: a half right envelope on disk would be worse than an old one.
@@ -184,7 +192,8 @@ def _collecting(findings: list[Diagnostic], phase: Callable[[], T]) -> T | None:
         return None
 
 
-def _index(table: Table, project: Path) -> DeclarationIndex:
+def _declared(table: Table, project: Path) -> dict[str, File]:
+    """Return the declarations in each .proto file. Raises `DiagnosticsError` if a file cannot be read."""
     root = project / table.proto.root
     if not root.is_dir():
         message = f"the proto root {table.proto.root!r} is not a folder"
@@ -205,7 +214,7 @@ def _index(table: Table, project: Path) -> DeclarationIndex:
     files = read_protos(root, table.proto.root, findings)
     if findings:
         raise DiagnosticsError(findings)
-    return index_declarations(files, table.proto.exclude)
+    return files
 
 
 def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping[str, str]) -> Compilation:
@@ -216,11 +225,6 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping
     """
     root = project / table.proto.root
     wanted = sorted({*(member.file for member in envelope.members), envelope.file, *listed.values()})
-    overlay: dict[str, str] = {}
-    if envelope.ours:
-        overlay[envelope.file] = envelope_file.text(_unambiguous(envelope), table.file)
-        if table.link is not None:
-            overlay[table.envelope.link_file] = envelope_file.link_text(table.file)
     if not envelope.ours and not (root / envelope.file).is_file():
         message = f"the file {envelope.file!r} does not exist below the proto root {table.proto.root!r}"
         raise DiagnosticsError(
@@ -232,7 +236,32 @@ def _compile(table: Table, project: Path, envelope: ir.Envelope, listed: Mapping
                 )
             ]
         )
-    return compile_protos(root, wanted, overlay, table.proto.root)
+    return compile_protos(root, wanted, _written(table, envelope), table.proto.root)
+
+
+def _written(table: Table, envelope: ir.Envelope) -> dict[str, str]:
+    """Return the texts of the .proto files that roverlink writes, by path."""
+    if not envelope.ours:
+        return {}
+    written = {envelope.file: envelope_file.text(_unambiguous(envelope), table.file)}
+    if table.link is not None:
+        written[table.envelope.link_file] = envelope_file.link_text(table.file)
+    return written
+
+
+def _broken_besides(
+    table: Table, project: Path, envelope: ir.Envelope, declared: Iterable[str], schema: Schema
+) -> Iterator[Diagnostic]:
+    """Yield warnings about the .proto files that do not compile, and that no row needs.
+
+    ``declared`` are the paths of all files, and ``schema`` has those that rows need.
+    """
+    others = sorted({*declared} - {*schema.files, *table.proto.exclude})
+    root = project / table.proto.root
+    _, errors = compile_tree(root, others, table.proto.root, _written(table, envelope))
+    for error in errors:
+        help = "no row needs this file; `roverlink lint` fails until it compiles, or is in `proto.exclude`"
+        yield dataclasses.replace(error, severity=Severity.WARNING, help=help)
 
 
 def _unambiguous(envelope: ir.Envelope) -> ir.Envelope:

@@ -5,35 +5,23 @@ programs can leave a pipe in the tree. Therefore:
 
 - Links are followed only inside the git repository, and never into its folder ``.git``, which can hold passwords. In no
   repository, links are followed only inside the folder that is read.
-- Only regular files are opened. Opening a pipe would wait forever, and a device can have no end.
-- The size of a file, and the number of entries of a folder tree, have a limit.
+- Only regular files of a limited size are opened (`bounded_files`).
+- The number of entries of a folder tree has a limit.
 """
 
 from __future__ import annotations
 
-import errno
-import io
 import os
-import stat
 import unicodedata
 from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
 
-LARGEST = 8 << 20
-"""Largest size of a source file in bytes. The parser needs about 13 s and 600 MB for so many bytes of declarations."""
+from roverlink import bounded_files
+from roverlink.bounded_files import LARGEST, RefusedFileError
+
 _MOST_ENTRIES = 100_000  # of one folder tree; links between folders can make a small tree look endless
 _LEADS_OUT = "it is a link that leads out of the repository, or of the folder if there is none"
-_NO_FILE = "it is not a regular file, but a folder, a pipe or a device"
-# Neither exists on Windows. Without O_NONBLOCK, opening a file that became a pipe after the check would wait.
-_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
-
-
-class RefusedFileError(OSError):
-    """Raised for a file or folder that must not be read; ``strerror`` is the reason."""
-
-    def __init__(self, reason: str) -> None:
-        super().__init__(errno.EINVAL, reason)
 
 
 def read(root: Path, name: str, largest: int = LARGEST) -> bytes:
@@ -43,16 +31,7 @@ def read(root: Path, name: str, largest: int = LARGEST) -> bytes:
     file of more than ``largest`` bytes. Raises `OSError` if the file does not exist or cannot be read.
     """
     with open_file(root, name) as file:
-        size = os.fstat(file.fileno()).st_size
-        data = file.read(largest + 1) if size <= largest else b""
-    if max(size, len(data)) > largest:
-        raise RefusedFileError(too_large(max(size, len(data)), largest))
-    return data
-
-
-def too_large(size: int, largest: int = LARGEST) -> str:
-    """Return the reason why a file of ``size`` bytes is not read."""
-    return f"it has {size} bytes; files of more than {largest} bytes are not read"
+        return bounded_files.content(file, largest)
 
 
 def read_text(root: Path, name: str) -> str:
@@ -60,7 +39,7 @@ def read_text(root: Path, name: str) -> str:
 
     Raises the same errors as `read`, and `UnicodeDecodeError` if the file is not UTF-8.
     """
-    return io.TextIOWrapper(io.BytesIO(read(root, name)), encoding="utf-8").read()
+    return bounded_files.decoded(read(root, name))
 
 
 def quoted_text(path: Path) -> str:
@@ -75,14 +54,7 @@ def quoted_text(path: Path) -> str:
 
 def open_file(root: Path, name: str) -> BinaryIO:
     """Open the file ``name`` below the folder ``root`` for reading. Raises the same errors as `read`."""
-    path = _inside(os.path.join(root, name), root)
-    if not stat.S_ISREG(os.stat(path).st_mode):
-        raise RefusedFileError(_NO_FILE)
-    file = open(os.open(path, _FLAGS), "rb")  # noqa: SIM115  # the caller closes it
-    if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-        return file
-    file.close()
-    raise RefusedFileError(_NO_FILE)
+    return bounded_files.open_regular(_inside(os.path.join(root, name), root), follow_links=False)
 
 
 def walk(root: Path, report: Callable[[str, str], None]) -> list[str]:
@@ -152,10 +124,15 @@ def visible(text: str) -> str:
 
 
 def repository_top(folder: str) -> str | None:
-    """Return the top folder of the git repository that contains a folder; None if it is in no repository."""
+    """Return the top folder of the git repository that contains a folder; None if it is in no repository.
+
+    The path of the folder must be absolute.
+    """
     # A submodule and a linked worktree have a file `.git` (gitrepository-layout(5)).
-    above = (folder, *map(str, Path(folder).parents))
-    return next((folder for folder in above if os.path.lexists(os.path.join(folder, ".git"))), None)
+    while not os.path.lexists(os.path.join(folder, ".git")):
+        if folder == (folder := os.path.dirname(folder)):
+            return None
+    return folder
 
 
 def leads_out(project: Path, folder: Path) -> bool:

@@ -6,7 +6,7 @@ It imports nothing before it has prepared for Ctrl-C, because imports are the lo
 
 import os
 
-_INTERRUPTED = 130  # `console.INTERRUPTED`, which is slow to import
+_UNABLE, _INTERRUPTED = 2, 130  # those of `console`, which is slow to import
 TYPE_CHECKING = False  # type checkers know the name
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,6 +18,10 @@ def main(argv: "Sequence[str] | None" = None) -> int:
     ``argv`` is the command line without the program's name, such as ``["lint", "--history"]``; None for that of this
     process. Exit code 0 means success, 1 that the command found problems, 2 that it could not run, and 130 that Ctrl-C
     ended it before its work was done.
+
+    This is the only guard around the commands of all packages: an error of a file or a value that no command expected
+    ends it with one line and code 2. Other exceptions are bugs of ours, and Python prints their traceback. If the
+    environment variable ROVERLINK_DEBUG is set, every error has its traceback.
     """
     try:
         import signal  # may be interrupted already
@@ -39,15 +43,12 @@ def main(argv: "Sequence[str] | None" = None) -> int:
                 signal.signal(signal.SIGINT, signal.SIG_IGN if argv is None else signal.default_int_handler)
     except KeyboardInterrupt:
         return _INTERRUPTED
-    except ImportError as error:
-        import sys
+    except Exception as error:
+        from roverlink import error_lines
 
-        from roverlink import installed_packages
-
-        if (cure := installed_packages.cure(error)) is None:
+        if not error_lines.print_line(error):
             raise
-        print(f"roverlink: {cure}", file=sys.stderr)
-        return 2
+        return _UNABLE
 
 
 def _end_at_once(*_: object) -> None:

@@ -11,7 +11,8 @@ import importlib
 import os
 import signal
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
@@ -86,17 +87,18 @@ def run(arguments: argparse.Namespace) -> int:
     Ctrl-C is the normal end of a command like `run`. A command like `generate` has not done its work then, so that a
     script must not go on as if it had: ``roverlink generate --check && deploy``.
     """
-    from roverlink.console import INTERRUPTED, OK, UNABLE, print_error
-    from roverlink.runtime.core.errors import RoverlinkError
+    from roverlink.console import INTERRUPTED, OK
 
-    # systemd and docker stop a program with SIGTERM.
+    # systemd and docker stop a program with SIGTERM, a terminal that is closed with SIGHUP, unless nohup ignores it. A
+    # program in the background of a script ignores SIGQUIT.
     signal.signal(signal.SIGTERM, _interrupt)
+    for number in (signal.SIGHUP, signal.SIGQUIT):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _interrupt)
     try:
-        code = int(arguments.run(arguments))
+        with _all_threads_alive():
+            code = int(arguments.run(arguments))
         sys.stdout.flush()  # here, so that a closed pipe is handled below
-    except RoverlinkError as error:
-        print_error(str(error))
-        return UNABLE
     except KeyboardInterrupt:
         return OK if arguments.runs_until_stopped else INTERRUPTED
     except BrokenPipeError:
@@ -106,8 +108,39 @@ def run(arguments: argparse.Namespace) -> int:
     return code
 
 
+@contextmanager
+def _all_threads_alive() -> Iterator[None]:
+    """End the block with SIGTERM if a thread fails, and raise `FailedThreadError`: no program may go on half alive."""
+    import threading
+
+    from roverlink.runtime.core.errors import FailedThreadError
+
+    failures = list[FailedThreadError]()
+
+    def end(ended: threading.ExceptHookArgs) -> None:
+        failure, thread = ended.exc_value, ended.thread
+        if failure is None or isinstance(failure, SystemExit):  # a thread may end itself so
+            return
+        if not isinstance(failure, FailedThreadError):
+            failure = FailedThreadError(thread.name if thread else "", failure)
+        failures.append(failure)
+        # To the main thread, so that it also ends a system call.
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
+
+    before, threading.excepthook = threading.excepthook, end
+    try:
+        yield
+    except KeyboardInterrupt:
+        if not failures:
+            raise
+    finally:
+        threading.excepthook = before
+    if failures:
+        raise failures[0]
+
+
 def _interrupt(*_: object) -> None:
-    """Handle the signal SIGTERM like Ctrl-C: raise KeyboardInterrupt.
+    """Handle the signals SIGTERM, SIGHUP and SIGQUIT like Ctrl-C: raise KeyboardInterrupt.
 
     So the context managers of the command close what they have opened. For example, ``roverlink demo`` ends the process
     of its bridge.

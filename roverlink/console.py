@@ -254,14 +254,18 @@ def isolate_ros(held: contextlib.ExitStack) -> None:
     Unless ROS_DOMAIN_ID is set, the DDS domain is one that no other program on this host is in; it is ours until
     ``held`` is closed.
 
-    Raises `OSError` if no domain is free.
+    Raises `OSError` if no domain is free, and `MiddlewareError` if ROS_DOMAIN_ID is set to something that is no domain.
     """
     # The variables are read when a participant joins its domain, and child processes inherit them. Kilted knows only
     # the range, Humble only the other variable; Jazzy knows both, and warns of the other one.
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     if os.environ.get("ROS_DISTRO") == "humble":
         os.environ["ROS_LOCALHOST_ONLY"] = "1"
-    if "ROS_DOMAIN_ID" not in os.environ:
+    if "ROS_DOMAIN_ID" in os.environ:
+        from roverlink.runtime.middleware.ros_domain import ros_domain  # here: a middleware is slow to import
+
+        ros_domain()  # a wrong one is told here, and not by each process
+    else:
         os.environ["ROS_DOMAIN_ID"] = str(claim_domain(held))
         held.callback(os.environ.pop, "ROS_DOMAIN_ID", None)
 

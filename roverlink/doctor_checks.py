@@ -16,6 +16,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from logging import getLogger
 from pathlib import Path
 
 from roverlink import doctor_link
@@ -29,6 +30,7 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.middleware import NodeIdentity, can_import, open_middleware
 from roverlink.runtime.middleware.interface_packages import installed_class
+from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.net import hosts, udp
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.parameters import Parameters
@@ -79,7 +81,7 @@ def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) 
         found.append(CheckResult("ok", examined, f"{messages}, fingerprint of the table {fingerprint}"))
         found += _table(project_folder(project))
         examined = "parameters"
-        settings = parameters.read(registry, ros.parameters)
+        settings = parameters.read(registry, ros.parameters_in(parameters.declarations(registry), getLogger()))
     except RoverlinkError as error:
         found.append(CheckResult("error", examined, str(error)))
         says = "UDP port, receive buffer, dst_ip and firewall were not checked, because the parameters are unknown"
@@ -285,6 +287,11 @@ def _ros(registry: Registry | None) -> Iterator[CheckResult]:
         environment = "/usr/bin/python3 -m venv --system-site-packages .venv"
         cure = f"create the virtual environment with the Python of ROS 2, for example with `{environment}`"
         yield CheckResult("warning", "rclpy", says, cure)
+    try:
+        ros_domain()
+    except MiddlewareError as error:
+        yield CheckResult("error", "ROS 2 domain", str(error))
+        return
     if rclpy and registry is not None:
         yield _interfaces(registry)
     dds = installed_version("cyclonedds")

@@ -5,8 +5,10 @@ from __future__ import annotations
 import contextlib
 import logging
 import select
+import socket
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from roverlink.runtime import Registry, RoverlinkError
@@ -14,8 +16,8 @@ from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.bridge.link_exchange import DIFFERS, UNKNOWN, EndReport, LinkExchange
 from roverlink.runtime.core.handler import UNSTAMPED
 from roverlink.runtime.core.translator import Translator
-from roverlink.runtime.net import hosts, udp
-from roverlink.runtime.net.destination import Destination, Target
+from roverlink.runtime.net import udp
+from roverlink.runtime.net.hosts import SocketAddress
 from roverlink.runtime.ros_arguments.parameters import EndAddress, Parameters
 from roverlink.runtime.text.host_names import LEARN
 
@@ -43,13 +45,11 @@ def verdicts(
 
 
 def _reports(registry: Registry, hashes: Mapping[int, int], settings: Parameters) -> list[EndReport]:
-    with contextlib.ExitStack() as stack:
-        sock = stack.enter_context(udp.bind(settings.listen_address, settings.listen_port, settings.receive_buffer))
-        sends = {}
-        for name, address in settings.addresses.items():
-            destination = Destination(name, *_targets(address))
-            stack.callback(destination.close)
-            sends[name] = lambda datagrams, to=destination: len(datagrams) - len(to.send_all(datagrams))
+    with udp.bind(settings.listen_address, settings.listen_port, settings.receive_buffer) as sock:
+        # From this socket, because a peer may answer to the address from which a datagram came.
+        sends = {
+            name: partial(_send, sock, [*_addresses(sock, address)]) for name, address in settings.addresses.items()
+        }
         quiet = ThrottledWarnings(logging.Logger("doctor", logging.CRITICAL))
         exchange = LinkExchange(registry, hashes, sends, lambda *_: None, "warn", Account(), quiet)
         translator, read = Translator(registry), udp.reader(sock, settings.max_datagram + 1)
@@ -57,15 +57,28 @@ def _reports(registry: Registry, hashes: Mapping[int, int], settings: Parameters
         while (now := time.monotonic()) < deadline:
             exchange.run_due(now)
             select.select([sock], [], [], _POLL_S)
-            exchange.take(translator.receive_all(read(), UNSTAMPED), translator.peers)
+            exchange.take(translator.receive_all(read(), UNSTAMPED))
         return exchange.reports()
 
 
-def _targets(address: EndAddress) -> Iterator[Target]:
-    """Yield the addresses of an end; none for a host that has to be learned, or that cannot be resolved."""
-    for host in address.hosts if address.hosts != (LEARN,) else ():
+def _addresses(sock: socket.socket, end: EndAddress) -> Iterator[SocketAddress]:
+    """Yield the addresses of an end for a socket; none for a host that has to be learned, or that is not resolved."""
+    for host in end.hosts if end.hosts != (LEARN,) else ():
         with contextlib.suppress(OSError, UnicodeError):  # another check reports it
-            yield Target(hosts.look_up(host, address.port)[0])
+            # A socket for IPv6 reaches an IPv4 address in the form ::ffff:10.0.0.7.
+            found = socket.getaddrinfo(host, end.port, sock.family, socket.SOCK_DGRAM, flags=socket.AI_V4MAPPED)
+            yield found[0][4]  # type: ignore[misc]  # it is an address of IP
+
+
+def _send(sock: socket.socket, addresses: Sequence[SocketAddress], datagrams: Sequence[bytes]) -> int:
+    """Send datagrams to all addresses of an end, and return how many of them the network accepted."""
+    accepted = 0
+    for datagram in datagrams:
+        with contextlib.suppress(OSError):  # the network refused it; the missing answer tells
+            for address in addresses:
+                sock.sendto(datagram, address)
+            accepted += 1
+    return accepted
 
 
 def _verdict(report: EndReport) -> tuple[str, str, str, str]:

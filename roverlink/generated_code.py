@@ -1,10 +1,14 @@
-"""Import of the code that ``roverlink generate`` wrote for a project."""
+"""Import of the code that ``roverlink generate`` wrote for a project, and comparison with its sources."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import yaml
+
 from roverlink.console import TABLE
+from roverlink.generator import source_files
+from roverlink.generator.content_digest import proto_digest, table_digest
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.table import reader
 from roverlink.runtime import Registry, load_registry
@@ -22,3 +26,24 @@ def load_project(folder: Path) -> Registry:
         return load_registry(folder, reader.read((folder / TABLE).resolve(), ignored).python.package)
     except DiagnosticsError:
         return load_registry(folder)
+
+
+def changed_sources(folder: Path, registry: Registry) -> list[str]:
+    """Return the table and the .proto files that have changed since the last `roverlink generate`.
+
+    They are named by their paths in the project. A file that is not in the project is not compared: a rover may carry
+    the generated code alone.
+    """
+    return [name for name, digest in registry.sources.items() if _digest_now(folder / name) not in (None, digest)]
+
+
+def _digest_now(path: Path) -> str | None:
+    """Return the digest of a file, or an empty text if it cannot be read; None if there is none."""
+    path = path.resolve()
+    try:
+        text = source_files.read(path.parent, path.name).decode("utf-8", "replace")
+        return (proto_digest if path.suffix == ".proto" else table_digest)(text)
+    except FileNotFoundError:
+        return None
+    except (OSError, yaml.YAMLError, RecursionError):
+        return ""

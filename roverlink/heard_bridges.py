@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 import time
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from roverlink import link_judgement
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, DiagnosticStatus
 
-LEVELS = ("OK", "WARN", "ERROR", "STALE")
+_LEVELS = ("OK", "WARN", "ERROR", "STALE")
 """Names of the levels of a status, by their numbers in diagnostic_msgs/DiagnosticStatus."""
-_BADNESS = ("OK", "WARN", "STALE", "ERROR")
 DROPPED = "dropped."
 """Prefix of the values that count drops by reason."""
 QUIET_S = 3.0
@@ -98,9 +98,9 @@ class HeardBridges:
         """All bridges, sorted by name."""
         return [self._bridges[key] for key in sorted(self._bridges)]
 
-    def is_quiet(self, bridge: HeardBridge) -> bool:
-        """Return true if a bridge has not published its state for a while."""
-        return self._clock() - bridge.last > QUIET_S
+    def state_now(self, bridge: HeardBridge) -> dict[str, Any]:
+        """Return the state of a bridge, as `link_judgement.old` gives it if the bridge has been quiet for a while."""
+        return link_judgement.old(bridge.state) if self._clock() - bridge.last > QUIET_S else bridge.state
 
     def warnings(self) -> list[str]:
         """Return a text for each name that several running bridges have, and one if there are too many bridges."""
@@ -149,37 +149,45 @@ def state_of(array: DiagnosticArray) -> dict[str, Any] | None:
     """Convert a message of ``/diagnostics`` to the state of the bridge that published it; None for another node.
 
     The state is a dictionary for JSON: ``stamp`` (seconds since 1970), ``node`` (the bridge as a whole), ``rows`` (a
-    list), ``ends`` (a list: peers and boards with their addresses) and ``links`` (a list of what the link messages of
-    each end tell). Texts that spell numbers become numbers.
+    list, with the verdicts of `judge_rows`), ``ends`` (a list: peers and boards with their addresses), ``links`` (a
+    list of what the link messages of each end tell) and ``peers``, a result of `peers_of`. ``quiet`` is false
+    here; see `link_judgement.old`. Texts that spell numbers become numbers.
     """
     own = next((status for status in array.status if any(pair.key == "fingerprint" for pair in status.values)), None)
     if own is None:
         return None
     node = _entry(own, own.name, _NODE_VALUES)
-    prefix = f"{own.name}: "
+    prefix, of_links = f"{own.name}: ", f"{own.name} link: "
     parts = [status for status in array.status if status.name.startswith(prefix)]
-    ends = [status for status in parts if any(pair.key == "link" for pair in status.values)]
-    rows = [_entry(status, status.name.removeprefix(prefix), _ROW_VALUES) for status in parts if status not in ends]
-    of_links = f"{own.name} link: "
-    links = [
-        _entry(status, status.name.removeprefix(of_links), _LINK_VALUES)
-        for status in array.status
-        if status.name.startswith(of_links)
-    ]
-    if node is None or None in rows or None in links:
+    of_ends = [status for status in parts if any(pair.key == "link" for pair in status.values)]
+    ends = _entries(of_ends, prefix, frozenset())
+    rows = _entries([status for status in parts if status not in of_ends], prefix, _ROW_VALUES)
+    links = _entries([status for status in array.status if status.name.startswith(of_links)], of_links, _LINK_VALUES)
+    if node is None or rows is None or ends is None or links is None:
         return None
+    peers = link_judgement.peers_of(node, rows, ends, links)
+    link_judgement.judge_rows(rows, peers)
     return {
         "stamp": array.header.stamp.sec + array.header.stamp.nanosec / 1e9,
         "node": node,
         "rows": rows,
-        "ends": [_entry(status, status.name.removeprefix(prefix), frozenset()) for status in ends],
+        "ends": ends,
         "links": links,
+        "peers": peers,
+        "quiet": False,
     }
+
+
+def _entries(statuses: Iterable[DiagnosticStatus], prefix: str, needed: frozenset[str]) -> list[dict[str, Any]] | None:
+    """Return the values of statuses, named without a prefix; None if one of them lacks a value of ``needed``."""
+    entries = [_entry(status, status.name.removeprefix(prefix), needed) for status in statuses]
+    found = [entry for entry in entries if entry is not None]
+    return found if len(found) == len(entries) else None
 
 
 def _entry(status: DiagnosticStatus, name: str, needed: frozenset[str]) -> dict[str, Any] | None:
     """Return the values of a status; None if one of the ``needed`` values is missing, so that no bridge wrote it."""
-    level = LEVELS[status.level] if status.level < len(LEVELS) else str(status.level)
+    level = _LEVELS[status.level] if status.level < len(_LEVELS) else str(status.level)
     values: dict[str, Any] = {}
     for pair in status.values:
         value = pair.value if pair.key in _TEXTS else _number(pair.value)
@@ -198,13 +206,3 @@ def _number(text: str) -> float | None:
             continue
         return number if math.isfinite(number) else None
     return None
-
-
-def badness(level: str) -> int:
-    """Return a number that is greater the worse a level is; a level of which nothing is known is the worst."""
-    return _BADNESS.index(level) if level in _BADNESS else len(_BADNESS)
-
-
-def has_problems(state: dict[str, Any]) -> bool:
-    """Return true if the state shows the bridge, one of its rows, or an end of the link at another level than OK."""
-    return any(entry["level"] != "OK" for entry in (state["node"], *state["rows"], *state["ends"], *state["links"]))

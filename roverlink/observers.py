@@ -24,11 +24,13 @@ from roverlink.runtime.monitoring import diagnostic_array
 from roverlink.runtime.monitoring.foxglove_server import PORT as FOXGLOVE_PORT
 from roverlink.runtime.monitoring.foxglove_server import FoxgloveServer
 from roverlink.runtime.monitoring.histogram import LatencyProbe
+from roverlink.runtime.monitoring.liveness import SilenceLog
 from roverlink.runtime.monitoring.monitor import Monitor
 from roverlink.runtime.monitoring.state import Recording, State
 from roverlink.runtime.recording import COMPRESSIONS
 from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 
 if TYPE_CHECKING:
     from roverlink.link_page.live_link import LiveLink
@@ -140,19 +142,25 @@ class BridgeObservers:
         self._middleware = middleware
         return middleware
 
-    def monitor(self, bridge: Bridge) -> ExitStack:
+    def monitor(self, bridge: Bridge, clock: Clock = SYSTEM_CLOCK) -> ExitStack:
         """Start the diagnostics, metrics and page of a bridge, and return the exit stack that ends them.
 
+        ``clock`` shows the time of the diagnostics.
         Close this stack before the bridge, because the bridge closes the topics on which the diagnostics are published.
         """
         watch = ExitStack()
         if not self._monitored:
             return watch
-        monitor = Monitor(self._ros.node.name, self._registry, bridge, self._probe, self._recording)
+        monitor = Monitor(
+            self._ros.node.name, self._registry, bridge, self._probe, self._recording, logger=self._logger
+        )
+        silences = SilenceLog(self._logger)
+        monitor.add_listener(lambda state: silences.take({end.end: end.liveness for end in state.ends}))
         if not self._arguments.no_diagnostics:
             topic = self._ros.topic(diagnostic_array.TOPIC)
             try:
-                monitor.add_listener(diagnostic_array.publisher(self._middleware, self._ros.node.full_name, topic))
+                name = self._ros.node.full_name
+                monitor.add_listener(diagnostic_array.publisher(self._middleware, name, topic, clock))
             except MiddlewareError as error:
                 self._logger.warning("cannot publish diagnostics on %s: %s", topic, error)
         if self._arguments.metrics is not None:

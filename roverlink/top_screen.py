@@ -4,28 +4,21 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from rich.cells import cell_len
-from rich.console import RenderableType
+from rich.console import Console, RenderableType
 from rich.text import Text
 
-from roverlink.heard_bridges import (
-    DROPPED,
-    LEVELS,
-    QUIET_S,
-    HeardBridge,
-    HeardBridges,
-    badness,
-    full_name,
-    instance,
-    place,
-)
+from roverlink.heard_bridges import DROPPED, QUIET_S, HeardBridge, HeardBridges, full_name, instance, place
+from roverlink.link_judgement import Condition, badness, conditions_of, worst_of
 
-_STYLES = {"OK": "green", "WARN": "yellow", "ERROR": "bold red", "STALE": "magenta"}
-_MISMATCHES = "qos_mismatches."
+_STYLES = {"OK": "green", "WARN": "yellow", "SILENT": "bold red", "ERROR": "bold red", "STOP": "bold red"}
+_STYLES |= {"UNKNOWN": "reverse"}
+_CALM = ("OK", "IDLE", "REST")
+"""Verdicts of rows that are no problem."""
 _PANEL = 70  # least width of a bridge beside others
 _GAP = 3  # between two bridges
 _LEAST_ROWS = 11  # rows of the table that the lines above it must leave on a low screen
@@ -45,7 +38,7 @@ class View:
     typing: bool = False
     """True while the user types the filter."""
     problems: bool = False
-    """True if only rows with a problem are shown: at another level than OK, with drops, or whose peer is stopped."""
+    """True if only rows with a problem are shown: with a verdict that is none of `_CALM`, or with drops."""
     bridge: int = 0
     """Index of the bridge to which the keys apply."""
     row: str = ""
@@ -99,8 +92,8 @@ class View:
         rows = [
             row
             for row in state["rows"]
-            if wanted in f"{row['name']} {row['topic']} {row['direction']} {row['level']}".lower()
-            and (not self.problems or row["level"] != "OK" or _dropped(row) or row.get("stopping"))
+            if wanted in f"{row['name']} {row['topic']} {row['direction']} {row['verdict']}".lower()
+            and (not self.problems or row["verdict"] not in _CALM or _dropped(row))
         ]
         return sorted(rows, key=SORTS[self.sort])
 
@@ -122,7 +115,7 @@ def _dropped(entry: dict[str, Any]) -> int:
 SORTS: dict[str, Callable[[dict[str, Any]], Any]] = {
     "number": lambda row: row["number"],
     "name": lambda row: row["name"],
-    "level": lambda row: (-badness(row["level"]), row["number"]),
+    "level": lambda row: (-badness(row["verdict"]), row["number"]),
     "rate": lambda row: (-row["rate"], row["number"]),
     "age": lambda row: (-row.get("age", math.inf), row["number"]),
     "dropped": lambda row: (-_dropped(row), row["number"]),
@@ -135,7 +128,7 @@ def printed(bridges: Sequence[HeardBridge], width: int) -> RenderableType:
     lines: list[Text] = []
     for bridge in bridges:
         lines += [Text()] if lines else []
-        lines += [*_header(bridge.state, _label(bridge, bridges)), *_table(bridge.state["rows"], width)]
+        lines += [*_header(bridge.state, _label(bridge, bridges), width), *_table(bridge.state["rows"], width)]
     return Text("\n").join(lines)
 
 
@@ -146,13 +139,13 @@ def live(bridges: Sequence[HeardBridge], heard: HeardBridges, view: View, width:
     """
     top = [_fitted(Text(text, "bold red"), width) for text in heard.warnings()]
     if len(bridges) > 1:
-        top.append(_fitted(_overview(bridges, view), width))
+        top.append(_fitted(_overview(bridges, heard, view), width))
     shown = max(1, min(len(bridges), (width + _GAP) // (_PANEL + _GAP)))
     first = min(view.bridge, len(bridges) - shown)
     panel_height = max(height - len(top) - 1, 1)
     panel_width = (width - _GAP * (shown - 1)) // shown
     panels = [
-        _panel(bridge, _label(bridge, bridges), heard.is_quiet(bridge), view, panel_width, panel_height)
+        _panel(heard.state_now(bridge), _label(bridge, bridges), view, panel_width, panel_height)
         for bridge in bridges[first : first + shown]
     ]
     lines = [Text(" | ").join(parts) for parts in zip(*panels)]
@@ -177,18 +170,19 @@ def _label(bridge: HeardBridge, bridges: Sequence[HeardBridge]) -> str:
     return _plain(name if alone else f"{name} ({place(bridge.state)})")
 
 
-def _level(entry: dict[str, Any]) -> tuple[str, str]:
-    return entry["level"], _STYLES.get(entry["level"], "")
+def _level(condition: Condition) -> tuple[str, str]:
+    return condition.level, _STYLES.get(condition.level, "")
 
 
-def _overview(bridges: Sequence[HeardBridge], view: View) -> Text:
+def _overview(bridges: Sequence[HeardBridge], heard: HeardBridges, view: View) -> Text:
     """Return the line that lists all bridges, the selected one first. It begins with the number of each level."""
     order = [*range(view.bridge, len(bridges)), *range(view.bridge)]
-    parts = [Text(f"bridges: {_levels([bridge.state['node'] for bridge in bridges])}")]
+    worst = [worst_of(heard.state_now(bridge)) for bridge in bridges]
+    parts = [Text(f"bridges: {_levels(condition.level for condition in worst)}")]
     for index in order:
         node = bridges[index].state["node"]
         name = _label(bridges[index], bridges)
-        parts.append(Text.assemble((name, "bold reverse" if index == view.bridge else ""), " ", _level(node)))
+        parts.append(Text.assemble((name, "bold reverse" if index == view.bridge else ""), " ", _level(worst[index])))
         parts[-1].append(f" dropped {_dropped(node) + node['kernel_drops']}")
     return Text("  ").join(parts)
 
@@ -201,11 +195,10 @@ def _keys_line(view: View, bridges: int) -> Text:
     return Text("  ".join(parts), "reverse")
 
 
-def _panel(bridge: HeardBridge, label: str, quiet: bool, view: View, width: int, height: int) -> list[Text]:
+def _panel(state: dict[str, Any], label: str, view: View, width: int, height: int) -> list[Text]:
     """Return the lines that show one bridge, ``height`` in number."""
-    state = bridge.state
     rows = view.rows(state)
-    header = _header(state, label, quiet)[: max(height - _LEAST_ROWS - _DETAILS - 1, 2)]
+    header = _header(state, label, width)[: max(height - _LEAST_ROWS - _DETAILS - 1, 2)]
     space = max(height - len(header) - _DETAILS - 1, 1)
     first, selected = view.window(instance(state), rows, space)
     table = _table(rows, width, first, first + space, selected)
@@ -225,25 +218,22 @@ def _details(row: dict[str, Any], position: str) -> list[Text]:
     told = [f"dropped: {drops}"] if drops else []
     return [
         Text(_plain("  ".join(facts)), "dim"),
-        Text(_plain("; ".join(filter(None, [*told, row["message"]])) or "nothing to report")),
+        Text(_plain("; ".join(filter(None, [*told, row["reason"]])) or "nothing to report")),
     ]
 
 
-def _header(state: dict[str, Any], label: str, quiet: bool = False) -> list[Text]:
+def _header(state: dict[str, Any], label: str, width: int) -> list[Text]:
     """Return the lines about the bridge as a whole, the most important ones first."""
     node = state["node"]
-    title = Text.assemble((label, "bold"), "  ", _level(node), f"  {_plain(node['message'])}")
-    if quiet:
-        title = Text.assemble((label, "bold"), ("  the bridge no longer publishes its state", "bold red"))
-    lines = [title]
+    lines = [line for text in _faults(state, label) for line in text.wrap(Console(), width)]
     reasons = _named(node, DROPPED, none="")
     drops = f"datagrams dropped: {_dropped(node)}; by the kernel: {node['kernel_drops']}"
     lines.append(Text(_plain(drops + (f"; reasons: {reasons}" if reasons else ""))))
-    if stopped := ", ".join(row["name"] for row in state["rows"] if row.get("stopping")):
-        lines.append(Text(_plain(f"stopped by the bridge, because the topic is silent: {stopped}"), "yellow"))
-    if mismatches := _named(node, _MISMATCHES, none=""):
-        lines.append(Text(_plain(f"publishers and subscriptions of other nodes without matching QoS: {mismatches}")))
-    lines += _end_lines(state)
+    if resting := ", ".join(row for peer in state["peers"] for row in peer["resting"]):
+        lines.append(Text(_plain(f"at rest, no command yet: {resting}"), "dim"))
+    lines += [
+        Text(_plain("; ".join([f"{link['name']}: {link['message']}", *_link_facts(link)]))) for link in state["links"]
+    ]
     if "recording" in node:
         size, waiting, lost = (node.get(f"recording_{name}", 0) for name in ("bytes", "waiting", "lost"))
         recording = f"recording: {lost} messages lost, {waiting} waiting for the disk, {size / 1e6:.1f} MB in "
@@ -252,35 +242,21 @@ def _header(state: dict[str, Any], label: str, quiet: bool = False) -> list[Text
     sent = f"forwarded: {_named(node, 'forwarded.')}; send errors: {_named(node, 'unsent.')}"
     buffer = _share(node["socket_waiting_bytes"], node["socket_size_bytes"])
     p50, p99 = _microseconds(node.get("handling_p50_us")), _microseconds(node.get("handling_p99_us"))
-    lines.append(Text(_plain(f"rows: {_levels(state['rows'])}; {received}")))
+    lines.append(Text(_plain(f"rows: {_levels(row['verdict'] for row in state['rows'])}; {received}")))
     lines.append(Text(_plain(sent)))
     lines.append(Text(f"receive buffer: {buffer}; time to handle datagrams: p50 {p50}, p99 {p99}"))
     return lines
 
 
-def _end_lines(state: dict[str, Any]) -> list[Text]:
-    """Return a line for each end that sends link messages, and one for the problems of the others; problems first."""
-    problems = {_end_of(end): text for end in state["ends"] if (text := _end_problem(end))}
-    lines = []
-    for link in state["links"]:
-        problem = problems.pop(_end_of(link), "")
-        text = "; ".join(filter(None, [problem, link["message"], *_link_facts(link)]))
-        lines.append((link["level"] == "OK" and not problem, f"{link['name']}: {text}"))
-    if problems:
-        others = [f"{f'{board} of ' if board else ''}{peer}: {text}" for (peer, board), text in problems.items()]
-        lines.append((False, "; ".join(others)))
-    return [Text(_plain(text), "" if good else "yellow") for good, text in sorted(lines, key=lambda line: line[0])]
-
-
-def _end_of(entry: dict[str, Any]) -> tuple[str, str]:
-    return entry["peer"], entry.get("board", "")
-
-
-def _end_problem(end: dict[str, Any]) -> str:
-    """Return a text about a peer or board that is silent, or whose address has a problem; empty for the others."""
-    problems = [end["link"].replace("_", " ")] if end["link"] != "ok" else []
-    problems += ["silent"] if end["state"] == "silent" else []
-    return f"{' and '.join(problems)}{' at ' if end['address'] else ''}{end['address']}" if problems else ""
+def _faults(state: dict[str, Any], label: str) -> Iterator[Text]:
+    """Yield the worst condition with what to do, and the other conditions that the table of rows does not show."""
+    worst = worst_of(state)
+    yield Text.assemble((label, "bold"), "  ", _level(worst), f"  {_plain(worst.text)}")
+    if worst.advice:
+        yield Text(_plain(worst.advice), "bold")
+    others = [one for subject, one in conditions_of(state).items() if one != worst and not subject.startswith("row ")]
+    for condition in sorted(others, key=lambda one: -badness(one.level)):
+        yield Text.assemble(_level(condition), f"  {_plain(condition.text)}")
 
 
 def _link_facts(link: dict[str, Any]) -> list[str]:
@@ -303,9 +279,9 @@ _LINK_TIMES = (("round trip", "round_trip"), ("jitter", "jitter"), ("clock", "cl
 _NOT_SET_S = -1e9  # the clock of a board without a date counts from its start
 
 
-def _levels(entries: Sequence[dict[str, Any]]) -> str:
-    counts = Counter(entry["level"] for entry in entries)
-    return ", ".join(f"{counts[level]} {level}" for level in LEVELS if counts[level]) or "none"
+def _levels(levels: Iterable[str]) -> str:
+    counts = Counter(levels)
+    return ", ".join(f"{counts[level]} {level}" for level in sorted(counts, key=badness, reverse=True)) or "none"
 
 
 def _named(entry: dict[str, Any], prefix: str, none: str = "none") -> str:
@@ -344,14 +320,14 @@ _COLUMNS = (
     _Column("no.", lambda row: str(row["number"]), True, 3),
     _Column("row", lambda row: str(row["name"])),
     _Column("direction", _direction),
-    _Column("level", lambda row: str(row["level"]), False, 5),
+    _Column("level", lambda row: str(row["verdict"]), False, 6),
     _Column("rate", lambda row: f"{row['rate']:.1f}/s", True, 8),
     _Column("min", lambda row: f"{row['expect_rate']:g}" if "expect_rate" in row else "", True, 4),
     _Column("age", _age, True, 6),
     _Column("count", lambda row: str(row["count"]), True, 7),
     _Column("dropped", lambda row: str(_dropped(row) or ""), True, 7),
     _Column("stops", lambda row: str(row.get("stops", "")), True, 5),
-    _Column("message", lambda row: str(row["message"])),
+    _Column("message", lambda row: str(row["reason"])),
 )
 _HIDDEN_FIRST = ("message", "min", "direction", "count", "no.", "age")
 """Columns that a narrow screen does not show, in this order. The others are always shown."""
@@ -393,7 +369,7 @@ def _table(
     for index in range(first, min(len(rows), len(rows) if end is None else end)):
         row = rows[index]
         style = "reverse" if index == selected else "" if row["count"] or _dropped(row) or row.get("stops") else "dim"
-        lines.append(line({title: cells[title][index] for title in widths}, style, row["level"]))
+        lines.append(line({title: cells[title][index] for title in widths}, style, row["verdict"]))
     return lines
 
 

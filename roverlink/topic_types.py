@@ -18,18 +18,25 @@ from roverlink import standard_types
 from roverlink.completion import complete, topics_of_nodes
 from roverlink.console import NoProjectError, print_note, project_folder, seconds
 from roverlink.generated_code import load_project
+from roverlink.nodes import FullName
 from roverlink.nodes.installed import declared_topics
 from roverlink.runtime import NODE, Qos, Registry, SetupError
 from roverlink.runtime.core.errors import nearest
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware import NodeIdentity, Publisher
+from roverlink.runtime.middleware import Middleware, NodeIdentity, Publisher
+from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 FLUSH_S = 0.2
 """Time in seconds before a publisher may leave: a reliable reader may still ask for a lost sample."""
 _LOOK_S = 0.02
+_DISCOVERY_S = 1.5  # a publisher on another computer is found in less
 # YAML 1.1 treats these characters as line breaks, and folds them when it reads the text back.
 _UNICODE_BREAKS = frozenset("\x85\u2028\u2029")
 _TOPIC = re.compile(r"(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
+
+
+class UnknownTopicError(SetupError):
+    """Error of a command whose topic has no known message type."""
 
 
 def add_topic(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +46,7 @@ def add_topic(parser: argparse.ArgumentParser) -> None:
         "--type",
         metavar="PKG/msg/NAME",
         help="type of the messages, such as std_msgs/msg/String; needed only for a topic that is neither in "
-        "mapping.yaml nor declared by an installed program",
+        "mapping.yaml nor declared by an installed program, and that no node has yet",
     )
 
 
@@ -67,27 +74,50 @@ def wait_for_subscriber(publishers: Collection[Publisher], seconds: float, note:
         time.sleep(_LOOK_S)
 
 
-def endpoint_of(arguments: argparse.Namespace) -> tuple[type[Message], Qos]:
+def endpoint_of(arguments: argparse.Namespace, ros: RosArguments, middleware: Middleware) -> tuple[type[Message], Qos]:
     """Return the message type and the QoS of the topic that a command line names; see `endpoint`.
 
-    ``arguments`` has the options of `add_topic` and `add_project`. Without a project, ``--type`` has to name a standard
-    type. Raises `NoProjectError` if there is neither a project nor ``--type``.
+    ``arguments`` has the options of `add_topic` and `add_project`. Without a project, only standard types are known.
+    If nothing else tells the type, a node that has the topic does. Raises `NoProjectError` or `SetupError` if there is
+    none.
     """
     registry: Registry | None = None
     try:
         registry = load_project(project_folder(arguments.project))
+        return endpoint(registry, arguments.topic, arguments.type, ros.topic)
     except NoProjectError:
-        if arguments.type is None:
-            raise
-    return endpoint(registry, arguments.topic, arguments.type)
+        if arguments.type is not None:
+            return endpoint(None, arguments.topic, arguments.type)
+        if found := _discovered_type(middleware, ros.topic(arguments.topic)):
+            return _named_type(None, found), Qos()
+        raise
+    except UnknownTopicError:
+        if found := _discovered_type(middleware, ros.topic(arguments.topic)):
+            return _named_type(registry, found), Qos()
+        raise
 
 
-def endpoint(registry: Registry | None, topic: str, type_name: str | None) -> tuple[type[Message], Qos]:
+def _discovered_type(middleware: Middleware, topic: str) -> str:
+    """Return the type that a publisher or a subscription of a topic has; empty if none appears for a while."""
+    deadline = time.monotonic() + _DISCOVERY_S
+    while True:
+        for endpoint in (*middleware.endpoints(topic, True), *middleware.endpoints(topic, False)):
+            if endpoint.type:
+                return endpoint.type
+        if time.monotonic() > deadline:
+            return ""
+        time.sleep(_LOOK_S)
+
+
+def endpoint(
+    registry: Registry | None, topic: str, type_name: str | None, full_name: FullName | None = None
+) -> tuple[type[Message], Qos]:
     """Return the message type and the QoS of a topic; ``registry`` is None if there is no project.
 
     If ``type_name`` is given, such as ``std_msgs/msg/String``, they are this type and the default QoS. Otherwise they
-    are those of the row that has the topic, or the type that a node of an installed package declares for it. Raises
-    `SetupError` if there is neither a type, a row nor a declaration, or if the name of the topic is invalid.
+    are those of the row that has the topic, or the type that a node of an installed package declares for it.
+    ``full_name`` makes full names of topics, if the nodes have a namespace or remap topics. Raises `SetupError` if the
+    name of the topic is invalid, and `UnknownTopicError` if there is neither a type, a row nor a declaration.
     """
     if not _TOPIC.fullmatch(topic):
         raise SetupError(
@@ -95,20 +125,18 @@ def endpoint(registry: Registry | None, topic: str, type_name: str | None) -> tu
         )
     if type_name is not None:
         return _named_type(registry, type_name), Qos()
-    known = registry.by_topic if registry else {}
-    handler = next(
-        (handler for handler in known.values() if full_topic(handler.route.topic) == full_topic(topic)), None
+    full, known = full_name or full_topic, registry.by_topic if registry else {}
+    for handler in known.values():
+        if full(handler.route.topic) == full(topic):
+            return handler.message_type, handler.route.qos
+    for declared in declared_topics().values():
+        if full(declared.name) == full(topic) and len(declared.types) == 1:
+            return declared.message_type, Qos()
+    hint = nearest(topic.removeprefix("/"), known)
+    raise UnknownTopicError(
+        f"no row of mapping.yaml has the topic {topic!r} ({hint}), and no node; for a topic without a row, give its "
+        "message type with --type PKG/msg/NAME"
     )
-    if handler is None:
-        for declared in declared_topics().values():
-            if full_topic(declared.name) == full_topic(topic) and len(declared.types) == 1:
-                return declared.message_type, Qos()
-        hint = nearest(topic.removeprefix("/"), known)
-        raise SetupError(
-            f"no row of mapping.yaml has the topic {topic!r} ({hint}); for a topic without a row, give its message "
-            "type with --type PKG/msg/NAME"
-        )
-    return handler.message_type, handler.route.qos
 
 
 def _named_type(registry: Registry | None, type_name: str) -> type[Message]:

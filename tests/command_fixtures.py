@@ -18,7 +18,9 @@ from running import Bridge, Called, exit_code
 @pytest.fixture(autouse=True)
 def own_signals() -> Iterator[None]:
     """A command that is called in this process leaves its signal handlers behind."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {
+        number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+    }
     yield
     for number, handler in before.items():
         signal.signal(number, handler)

@@ -10,7 +10,6 @@ from programs import Program
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
-from roverlink.runtime.recording.recorder import Recorder
 
 Bridge = Callable[..., tuple[Program, int]]
 """The fixture `bridge`: starts a bridge with options; the program, and its UDP port as soon as it listens there."""
@@ -30,6 +29,8 @@ def exit_code(*arguments: object) -> int:
 
 def record_one_message(path: Path) -> Path:
     """Write a recording of one message on /imu_data, and return its path."""
+    from roverlink.runtime.recording.recorder import Recorder  # here: the environments of tests/ros2 have no MCAP
+
     handler = REGISTRY.by_name["imu_info"]
     with Recorder(path, REGISTRY, {"/imu_data": "imu_info"}, logging.getLogger("run")) as recorder:
         recorder.topic("/imu_data", handler.message_type, handler.route.qos)([handler.to_cdr(handler.payload_type())])

@@ -94,16 +94,19 @@ def _doubt(what: str, others: Sequence[str]) -> list[str]:
 def _envelopes(files: Mapping[str, File], wanted_file: str, wanted: str) -> Iterator[tuple[str, str]]:
     """Yield full name and file of each message that may be the envelope; the message with the largest oneof first.
 
-    If ``wanted_file`` or ``wanted`` is set, only messages in this file or with this name are considered.
+    A message whose oneof contains the message itself, such as an expression, comes after all others. If ``wanted_file``
+    or ``wanted`` is set, only messages in this file or with this name are considered.
     """
     found = []
+    payloads = _messages_inside(files, of_oneofs=True)
     for path, file in files.items():
         for message in file.messages:
+            recursive = message.full_name in payloads[message.full_name]
             named = message.full_name == wanted or message.full_name.endswith(f".{wanted}")
             size = _size_of_oneof(message)
             if (not wanted_file or path == wanted_file) and (named if wanted else size):
-                found.append((-size, path, message.full_name))
-    yield from ((name, path) for _, path, name in sorted(found))
+                found.append((recursive, -size, path, message.full_name))
+    yield from ((name, path) for *_, path, name in sorted(found))
 
 
 def _outermost(candidates: Iterable[str], files: Mapping[str, File]) -> str:
@@ -126,7 +129,8 @@ def _outermost(candidates: Iterable[str], files: Mapping[str, File]) -> str:
             new = [name for name in holders.get(waiting.pop(), ()) if name not in leading]
             leading.update(new)
             waiting += new
-        outer = next((name for name in others if payloads[name] & leading and name not in chosen), None)
+        free = (name for name in others if name not in chosen and name not in payloads[name])
+        outer = next((name for name in free if payloads[name] & leading), None)
         if outer is None:
             return chosen[-1]
         chosen.append(outer)

@@ -14,6 +14,7 @@ from collections.abc import Collection, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from roverlink.bounded_files import RefusedFileError
 from roverlink.generator import journal, source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.emit.output_rules import CannotWrite, ForeignFile, OutsideTheProject
@@ -169,5 +170,5 @@ def _is_ours(path: Path) -> bool:
     try:
         with source_files.open_file(path.parent, path.name) as file:
             return carries_header(file.read(_MARK_WITHIN).decode("utf-8", errors="replace"))
-    except (PermissionError, source_files.RefusedFileError):  # files that roverlink wrote are readable
+    except (PermissionError, RefusedFileError):  # files that roverlink wrote are readable
         return False

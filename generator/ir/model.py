@@ -510,6 +510,8 @@ class Bridge:
     """Serialized FileDescriptorSet of the envelope and its imports, without comments."""
     link: Link | None = None
     """Link message; None if the table has none."""
+    sources: Mapping[str, str] = field(default_factory=dict)
+    """Digest of the table and of each .proto file that it needs, by the path relative to the table."""
 
     @property
     def folder(self) -> str:

@@ -78,7 +78,8 @@ def read_state(
     checkout = with_uncompiled(schema, kept, shown_root)
     table = bare_tree.with_members(table, checkout)
     of_table = as_lines(table_bounds(table, schema, root, faults))
-    bounds = read_bounds(schema, root, shown_root, faults, of_table)
+    limited = any(peer.max_size is not None for peer in table.peers)
+    bounds = read_bounds(schema, root, shown_root, faults, of_table, needed=limited)
     return Context(
         table=table,
         schema=schema,

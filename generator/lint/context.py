@@ -47,6 +47,8 @@ class Past:
     """True if the user requested the comparison of branches that are not merged yet (``--branches``)."""
     pinned: PinnedStates | None = None
     """The .proto files that other projects use, compared with those of today (``--pins``); None if not requested."""
+    pinned_before: PinnedStates | None = None
+    """The same, with the baseline in place of today's files; None without a baseline (``--against``)."""
     change: frozenset[str] | None = None
     """Ids of the commits since the baseline's commit; None if no commit is the baseline (``--against``)."""
 

@@ -224,8 +224,9 @@ def _lint(
         today = dataclasses.replace(today, faults=(*today.faults, missing))
     baseline = _baseline(question, project, table, findings)
     if past and question.pins:
-        pinned = _pinned(in_git, today.table, schema, past.history, question, findings)
-        past = dataclasses.replace(past, pinned=pinned)
+        before = baseline.state if baseline else None
+        pinned, pinned_before = _pinned(in_git, today, before, past.history, question, findings)
+        past = dataclasses.replace(past, pinned=pinned, pinned_before=pinned_before)
     if past and baseline and baseline.commit:
         with contextlib.suppress(GitError):  # today the .proto files are in another repository than in the baseline
             past = dataclasses.replace(past, change=_change(in_git, question.newest, baseline.commit))
@@ -299,26 +300,36 @@ def _past(root: Path, shown_root: str, question: Question, findings: list[Diagno
 
 
 def _pinned(
-    root: Path, table: Table, checkout: Schema, history: History, question: Question, findings: list[Diagnostic]
-) -> PinnedStates:
+    root: Path,
+    today: Context,
+    before: Context | None,
+    history: History,
+    question: Question,
+    findings: list[Diagnostic],
+) -> tuple[PinnedStates, PinnedStates | None]:
     """Read the states that other projects use (pins), and compare them with each other and with the checkout.
 
-    ``checkout`` is the schema of the state that is checked.
+    ``today`` is the state that is checked. The second result compares with the baseline ``before`` in its place.
     """
-    envelope, repository = table.envelope.message, Repository(root)
+    envelope, repository = today.table.envelope.message, Repository(root)
     former = [name for type in history.types if envelope in type.names for name in type.names]
-    reader = StateReader(repository, (envelope, *former), table.proto.exclude)
+    reader = StateReader(repository, (envelope, *former), today.table.proto.exclude)
     read = reader.consumers(read_pins(question.pins, findings), findings)
     known = [(consumer.commit.id, dataclasses.replace(state, consumers=(consumer,))) for consumer, state in read]
     name = f"the ref {question.newest!r}" if question.newest else "this checkout"
-    today = ProtoState(checkout, reader.envelope_in(checkout), checkout=name)
     try:
         head = repository.resolve(question.newest or "HEAD")
     except GitError:
         head = ""  # the branch has no commit yet; then the checkout is the newest state
     order = [*repository.in_order(filter(None, [head, *(commit for commit, _ in known)])), ""]
-    known = sorted([*known, (head, today)], key=lambda state: order.index(state[0]))
-    return compare_states([state for _, state in known if state.envelope])
+
+    def compared_with(context: Context) -> PinnedStates:
+        schema = context.checkout or context.schema
+        checkout = ProtoState(schema, reader.envelope_in(schema), checkout=name)
+        states = sorted([*known, (head, checkout)], key=lambda state: order.index(state[0]))
+        return compare_states([state for _, state in states if state.envelope])
+
+    return compared_with(today), compared_with(before) if before else None
 
 
 def _baseline(question: Question, project: Path, today: Table, findings: list[Diagnostic]) -> Baseline | None:

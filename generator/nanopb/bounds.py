@@ -54,6 +54,8 @@ class Bounds:
     """Options by the full name of the message."""
     fields: Mapping[tuple[str, str], FieldBounds] = field(default_factory=dict)
     """Options by the full name of the message and the name of the field."""
+    unused: tuple[tuple[str, str, Span], ...] = ()
+    """The lines of .options files that match no declaration: the .proto file, the pattern, and the line's place."""
     sizes: list[Mapping[str, int]] = field(default_factory=list, repr=False, compare=False)
     """A cache for the module `message_sizes`: an empty list, or a list with one mapping.
 

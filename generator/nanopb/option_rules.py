@@ -26,27 +26,6 @@ class UnreadableNanopbOptions(Rule, id="NPB101"):
     """
 
 
-class NanopbPatternWithoutMatch(Rule, id="NPB102", severity=Severity.WARNING):
-    """A line of a `.options` file matches no declaration of its `.proto` file.
-
-    The size limit in the line has no effect. The field was renamed, or the package is missing from the name.
-
-    Bad::
-
-        # proto/note.proto
-        message Note { string text = 1; repeated float samples = 2; }
-        # proto/note.options
-        Note.txt max_size:20
-
-    Good::
-
-        # proto/note.proto
-        message Note { string text = 1; repeated float samples = 2; }
-        # proto/note.options
-        Note.text max_size:20
-    """
-
-
 class UnfitBound(Rule, id="NPB103"):
     """A size limit under `bounds` in mapping.yaml names a field that does not exist, or that cannot have this limit.
 
@@ -97,7 +76,8 @@ class BoundsInTwoPlaces(Rule, id="NPB104"):
 class NanopbNotInstalled(Rule, id="NPB105", severity=Severity.FATAL):
     """The project has options for nanopb, but the package nanopb is not installed.
 
-    The package defines the options. Without it, the largest size of a message on a microcontroller is unknown.
+    The package defines the options. Without it, the largest size of a message on a microcontroller is unknown. This is
+    a hint if no peer of the table has a `max_size`, because then only a smaller limit than before can be overlooked.
 
     Bad::
 

@@ -11,17 +11,14 @@ inherit from the outer message, nor members from their oneof. At each of these l
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from roverlink.generator.diagnostics import Diagnostic, Span, shown
+from roverlink.generator.diagnostics import Diagnostic, Severity, Span, shown
 from roverlink.generator.nanopb.bounds import Bounds, FieldBounds, MessageBounds
-from roverlink.generator.nanopb.option_rules import (
-    NanopbNotInstalled,
-    NanopbPatternWithoutMatch,
-    UnreadableNanopbOptions,
-)
+from roverlink.generator.nanopb.option_rules import NanopbNotInstalled, UnreadableNanopbOptions
 from roverlink.generator.nanopb.options import Decoded, decode_options
 from roverlink.generator.nanopb.options_file import OptionsLine, options_file_of, read_options_file
 from roverlink.generator.nanopb.vocabulary import has_options, vocabulary
@@ -37,22 +34,26 @@ def read_bounds(
     shown_root: str,
     findings: list[Diagnostic],
     of_table: Mapping[str, list[OptionsLine]] = MappingProxyType({}),
+    *,
+    needed: bool = False,
 ) -> Bounds | None:
     """Return nanopb's options for the messages and fields of a schema.
 
     ``root`` is the folder of the .proto files, and ``shown_root`` its name in diagnostics. ``of_table`` has the size
-    limits of mapping.yaml as lines of .options files, by .proto file.
+    limits of mapping.yaml as lines of .options files, by .proto file. ``needed`` is true if a peer limits the sizes of
+    messages, so that nothing can be checked without the options.
 
-    Adds a diagnostic for options that cannot be read, and for lines of a .options file that match no declaration. If
-    there are options but nanopb is not installed, reports only this, and returns None.
+    Adds a diagnostic for options that cannot be read. If there are options but nanopb is not installed, reports only
+    this, and returns None.
     """
     place = _place_of_options(schema, root, shown_root)
     if place is not None:
         try:
             vocabulary()
         except ModuleNotFoundError:
-            problem = "the sizes of messages depend on options of nanopb, but nanopb is not installed"
-            findings.append(NanopbNotInstalled.at(place, problem, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'"))
+            problem = "nanopb is not installed, so its options were not read, and no sizes were checked"
+            finding = NanopbNotInstalled.at(place, problem, "install nanopb: pip install 'nanopb>=0.4.9,<0.5'")
+            findings.append(finding if needed else replace(finding, severity=Severity.HINT))
             return None
     messages: dict[str, MessageBounds] = {}
     fields: dict[tuple[str, str], FieldBounds] = {}
@@ -66,12 +67,8 @@ def read_bounds(
         readers[enum.file].read_enum(enum)
     for extension in schema.extensions:
         readers[extension.file].read_extension(extension)
-    for file, reader in readers.items():
-        for line in reader.unused():
-            problem = f"no name in {file} matches {line.pattern!r}"
-            help = "write the full name, with the package: pkg.Message.field"
-            findings.append(NanopbPatternWithoutMatch.at(line.span, problem, help))
-    return Bounds(messages, fields)
+    unused = tuple((file, line.pattern, line.span) for file, reader in readers.items() for line in reader.unused())
+    return Bounds(messages, fields, unused)
 
 
 def _place_of_options(schema: Schema, root: Path, shown_root: str) -> Span | None:

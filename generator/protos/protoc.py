@@ -10,11 +10,13 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
+from types import MappingProxyType
 from typing import NamedTuple
 
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from roverlink.generator import source_files
+from roverlink.generator.content_digest import proto_digest
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
 from roverlink.generator.ir.protobuf_facts import OWN_FILES, module_path
 from roverlink.generator.protos.descriptors import schema_of
@@ -38,6 +40,8 @@ class Compilation:
     schema: Schema
     modules: Mapping[str, Mapping[str, str]]
     """The Python module (pb2) and the stub that protoc generated of each file: its path, then path and text of both."""
+    digests: Mapping[str, str]
+    """Digest of each file on disk that was compiled, by its path; without files that the table makes."""
 
 
 def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str], shown_root: str) -> Compilation:
@@ -59,7 +63,9 @@ def compile_protos(root: Path, files: Sequence[str], overlay: Mapping[str, str],
         _protoc(staged, wanted, options, out, shown_root)
         compiled = FileDescriptorSet.FromString(result.read_bytes())
         modules = {file: _modules(out, file) for file in sorted(wanted)}
-    return Compilation(schema_of(compiled, shown_root), modules)
+        texts = {file: (staged / file).read_text("utf-8", "replace") for file in modules if file not in overlay}
+    digests = {file: proto_digest(text) for file, text in texts.items()}
+    return Compilation(schema_of(compiled, shown_root), modules, digests)
 
 
 def _modules(out: Path, file: str) -> dict[str, str]:
@@ -111,10 +117,13 @@ def _stage(root: Path, files: Iterable[str], overlay: Mapping[str, str], staged:
     return copied
 
 
-def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Schema, list[Diagnostic]]:
+def compile_tree(
+    root: Path, files: Sequence[str], shown_root: str, overlay: Mapping[str, str] = MappingProxyType({})
+) -> tuple[Schema, list[Diagnostic]]:
     """Compile all given .proto files with protoc, and leave out the files that have errors.
 
-    Returns the schema of the files without errors, and one diagnostic for each error in the other files.
+    ``overlay`` has texts, by path, that protoc reads instead of the files on disk. Returns the schema of the files
+    without errors, and one diagnostic for each error in the other files.
     """
     findings: list[Diagnostic] = []
     left = list(files)
@@ -122,7 +131,7 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
     # turn leaves out at least one file, or all of them if no error names a known one.
     while left:
         try:
-            schema = schema_of(compile_descriptors(root, left, shown_root), shown_root)
+            schema = schema_of(compile_descriptors(root, left, shown_root, overlay), shown_root)
         except DiagnosticsError as error:
             findings += [finding for finding in error.findings if finding not in findings]
             broken = {finding.span.file for finding in error.findings}
@@ -134,11 +143,13 @@ def compile_tree(root: Path, files: Sequence[str], shown_root: str) -> tuple[Sch
     return Schema(uncompiled=tuple(files)), findings
 
 
-def compile_descriptors(root: Path, files: Sequence[str], shown_root: str) -> FileDescriptorSet:
+def compile_descriptors(
+    root: Path, files: Sequence[str], shown_root: str, overlay: Mapping[str, str] = MappingProxyType({})
+) -> FileDescriptorSet:
     """Compile files and their imports with protoc, to descriptors. Raises `DiagnosticsError` with protoc's messages."""
     with tempfile.TemporaryDirectory(prefix="roverlink-") as folder:
         staged, result = Path(folder, "staged"), Path(folder, "set")
-        _stage(root, files, {}, staged)
+        _stage(root, files, overlay, staged)
         _protoc(staged, files, [f"--descriptor_set_out={result}"], Path(folder), shown_root)
         return FileDescriptorSet.FromString(result.read_bytes())
 

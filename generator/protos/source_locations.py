@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from google.protobuf.descriptor_pb2 import DescriptorProto, EnumDescriptorProto, FileDescriptorProto
 
 from roverlink.generator.diagnostics import Span, shown
+from roverlink.generator.source_files import visible
 
 Path = tuple[int, ...]
 
@@ -77,9 +78,12 @@ class Places:
 
 
 def _clean(comment: str | bytes) -> str:
-    """Return a comment's text without the space after the slashes, and without white space at both ends."""
+    """Return a comment's text without the space after the slashes, and without white space at both ends.
+
+    Characters that a terminal would obey are escaped, because generated files show the comment.
+    """
     # protoc accepts comments in any encoding. A text that is not UTF-8 comes out of the descriptor as bytes.
     comment = comment.decode("utf-8", errors="replace") if isinstance(comment, bytes) else comment
     # protoc removes the `//`, but keeps the space after it (descriptor.proto, `leading_comments`).
     lines = [line.removeprefix(" ").rstrip() for line in comment.splitlines()]
-    return "\n".join(lines).strip()
+    return visible("\n".join(lines).strip())

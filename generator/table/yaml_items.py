@@ -15,6 +15,7 @@ from typing import Any
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+from roverlink.bounded_yaml import BoundedLoader
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.table.parts import Form
@@ -66,7 +67,7 @@ def read_text(path: Path, file: str) -> str:
 
 def _compose(text: str, file: str) -> Node:
     try:
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
+        root = yaml.compose(text, Loader=BoundedLoader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         span = Span(file, mark.line + 1, mark.column + 1) if mark else Span(file)
@@ -79,9 +80,6 @@ def _compose(text: str, file: str) -> Node:
         raise DiagnosticsError(
             [YamlSyntax.at(span, f"cannot parse the YAML: the character {error.character:#x} is not allowed")]
         ) from error
-    # PyYAML's composer calls itself for each level, so Python's recursion limit is its limit of nesting.
-    except RecursionError as error:
-        raise DiagnosticsError([YamlSyntax.at(Span(file), "cannot parse the YAML: it is nested too deeply")]) from error
     if root is None:
         raise DiagnosticsError(
             [UnreadableTable.at(Span(file), "the file is empty", "docs/adding-a-message.md shows an example")]

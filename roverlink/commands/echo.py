@@ -2,8 +2,9 @@
 
 Print the messages of a topic until Ctrl-C, as `ros2 topic echo` does, without a ROS installation. Each
 message is printed as YAML, followed by a line `---`. The command waits for a publisher, and subscribes with
-a QoS that matches all publishers. The message types of topics in mapping.yaml are known; for any other
-topic, such as /diagnostics, give --type.
+a QoS that matches all publishers. The message type comes from mapping.yaml, from the installed programs, or
+from a node that has the topic; before there is such a node, give --type. For a bridge in a namespace, give
+the bridge's arguments after --ros-args: `roverlink echo imu_data --ros-args -r __ns:=/rover1`.
 
 Example: roverlink echo imu_data --count 1
 """
@@ -32,6 +33,7 @@ from roverlink.console import (
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import Endpoint, Middleware, open_middleware
 from roverlink.runtime.middleware.following import matching_qos
+from roverlink.runtime.ros_arguments import ros_args
 from roverlink.runtime.text.values import message_to_values
 
 _LOOK_S = 0.02
@@ -58,7 +60,7 @@ def add(commands: Subparsers) -> None:
         help="subscribe with best-effort reliability, even if all publishers are reliable",
     )
     add_middleware(parser)
-    parser.set_defaults(run=run, runs_until_stopped=True)
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -66,8 +68,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     If the time ``--timeout`` ends before, the exit code is 1.
     """
-    message_type, _ = topic_types.endpoint_of(arguments)
-    topic = topic_types.full_topic(arguments.topic)
+    ros = ros_args.parse(arguments.ros_args, topic_types.identity("echo").name)
+    topic = ros.topic(arguments.topic)
     arrived: queue.Queue[bytes] = queue.Queue()
     seen = 0
 
@@ -75,7 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
         for message in messages:
             arrived.put(message)
 
-    with open_middleware(arguments.middleware, topic_types.identity("echo")) as middleware:
+    with open_middleware(arguments.middleware, ros.node) as middleware:
+        message_type, _ = topic_types.endpoint_of(arguments, ros, middleware)
         middleware.check_types([message_type])
         deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
         if publishers := _publishers(middleware, topic, deadline):

@@ -4,7 +4,7 @@ Read mapping.yaml and the .proto files, and write all files that are made from t
 that convert messages, the envelope's .proto file, a ROS 2 package with .msg files, mapping.lock, and
 docs. Run it after each change of mapping.yaml or of a .proto file. The output lists the changed files.
 If there is an error in mapping.yaml or in a .proto file that a row needs, the command prints it and
-writes nothing (exit code 1); `roverlink lint` checks all other .proto files, too. A file that roverlink
+writes nothing (exit code 1). Other .proto files that do not compile are warnings. A file that roverlink
 did not generate is never replaced, unless you give --overwrite.
 
 Example: roverlink generate --check

@@ -2,7 +2,8 @@
 
 Publish a message on a topic once a second until Ctrl-C (see --count and --rate), as `ros2 topic pub` does,
 without a ROS installation. Use it to command a board through a running bridge. Careful: the rover may
-move! Each published message gives a line such as `published 1 on drive_motor`.
+move! Each published message gives a line such as `published 1 on drive_motor`. For a bridge in a namespace,
+give the bridge's arguments after --ros-args: `--ros-args -r __ns:=/rover1`.
 
 Example: roverlink pub drive_motor '{distance_to_go: 1.5}' --count 1
 """
@@ -24,7 +25,8 @@ from roverlink.console import (
 )
 from roverlink.runtime import SetupError
 from roverlink.runtime.core import cdr
-from roverlink.runtime.middleware import open_middleware
+from roverlink.runtime.middleware import NOT_ACCEPTED, open_middleware
+from roverlink.runtime.ros_arguments import ros_args
 from roverlink.runtime.text import strict_yaml
 from roverlink.runtime.text.values import message_from_values
 
@@ -47,15 +49,16 @@ def add(commands: Subparsers) -> None:
     )
     topic_types.add_wait(parser)
     add_middleware(parser)
-    parser.set_defaults(run=run, runs_until_stopped=True)
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Wait for a subscriber of the topic, and publish the message ``--count`` times, or until Ctrl-C."""
-    message_type, qos = topic_types.endpoint_of(arguments)
-    data = cdr.encode(message_from_values(message_type, _values(arguments.values)))
-    with open_middleware(arguments.middleware, topic_types.identity("pub")) as middleware:
-        publisher = middleware.publisher(topic_types.full_topic(arguments.topic), message_type, qos)
+    ros, values = ros_args.parse(arguments.ros_args, topic_types.identity("pub").name), _values(arguments.values)
+    with open_middleware(arguments.middleware, ros.node) as middleware:
+        message_type, qos = topic_types.endpoint_of(arguments, ros, middleware)
+        data = cdr.encode(message_from_values(message_type, values))
+        publisher = middleware.publisher(ros.topic(arguments.topic), message_type, qos)
         topic_types.wait_for_subscriber([publisher], arguments.wait, f"no subscriber on {arguments.topic} yet")
         start, sent = time.monotonic(), 0
         while arguments.count is None or sent < arguments.count:
@@ -63,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
             accepted = publisher.publish([data])
             sent += 1
             print(
-                f"published {sent} on {arguments.topic}" if accepted else "not published: a subscriber is too slow",
+                f"published {sent} on {arguments.topic}" if accepted else f"not published: {NOT_ACCEPTED}",
                 flush=True,
             )
         time.sleep(topic_types.FLUSH_S)

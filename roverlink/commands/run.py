@@ -2,8 +2,9 @@
 
 Run the bridge between UDP and ROS 2, as the node udp_forwarder. The bridge publishes the datagrams of the
 peers (boards, basestation) as messages on topics, and sends messages of other topics as datagrams to the
-peers. mapping.yaml lists these messages. SIGINT (Ctrl-C) or SIGTERM stops the bridge. The log is written to
-standard error; at the end it says how many datagrams were received, published, sent and dropped.
+peers. mapping.yaml lists these messages. SIGINT (Ctrl-C), SIGTERM, SIGQUIT or a closed terminal (SIGHUP, unless
+nohup ignores it) stops the bridge. The log is written to standard error; at the end it says how many datagrams
+were received, published, sent and dropped.
 
 All options must stand before --ros-args. After it, these arguments are known: -p NAME:=VALUE and
 --params-file FILE (parameters such as dst_ip, the address of the peers, and listen_port),
@@ -18,6 +19,7 @@ import argparse
 import json
 import logging
 import signal
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -34,16 +36,20 @@ from roverlink.console import (
     node_logger,
     project_folder,
 )
-from roverlink.generated_code import load_project
+from roverlink.generated_code import changed_sources, load_project
 from roverlink.node_log import publish_log
 from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
+from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.middleware import open_middleware
 from roverlink.runtime.ros_arguments import parameters, ros_args
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
+from roverlink.runtime.ros_time.simulated_clock import TOPIC, SimulatedClock
 
-_STOPPING = (signal.SIGINT, signal.SIGTERM)
+_NAMED = 3  # changed files that a warning names
+_STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGQUIT, signal.SIGHUP)
 
 
 def add(commands: Subparsers) -> None:
@@ -85,11 +91,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the bridge until SIGINT or SIGTERM stops it; the exit code is then 0."""
+    """Run the bridge until a signal in `_STOPPING` stops it; the exit code is then 0."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
-    registry = load_project(project_folder(arguments.project))
-    settings = parameters.read(registry, ros.parameters)
+    project = project_folder(arguments.project)
+    registry = load_project(project)
+    settings = parameters.read(registry, ros.parameters_in(parameters.declarations(registry), logger))
     live = LiveParameters(registry, settings, logger)
     links = open_links(registry, arguments.key_file, logger)
     with ExitStack() as stack:
@@ -99,22 +106,43 @@ def run(arguments: argparse.Namespace) -> int:
         published_log = stack.enter_context(publish_log(logger, middleware, ros))
         # Before the bridge: recorder and viewers have to wrap the middleware that the bridge gets.
         attached = BridgeObservers(arguments, registry, ros, settings, live, logger, stack)
-        bridge = Bridge(registry, settings, attached.wrap(middleware), ros.topic, logger, attached.observers, links)
+        clock: Clock = SYSTEM_CLOCK
+        if settings.use_sim_time:
+            clock = published_log.enter_context(SimulatedClock(middleware, ros.topic(TOPIC), logger.warning))
+        wrapped = attached.wrap(middleware)
+        bridge = Bridge(registry, settings, wrapped, ros.topic, logger, attached.observers, links, clock)
+        _warn_of_changes(changed_sources(project, registry), bridge.account, logger)
         for number in _STOPPING:
             # A handler instead of KeyboardInterrupt, which would leave the bridge in the middle of a batch: `stop` lets
             # it handle what has arrived, and send the stops.
-            signal.signal(number, lambda *_: bridge.stop())
+            if number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:  # as nohup sets it
+                signal.signal(number, lambda *_: bridge.stop())
         live.on_change(bridge.change)
-        # The log leaves first, because the bridge closes the middleware.
-        with bridge, attached.monitor(bridge), published_log:
+        # The log and the clock leave first, because the bridge closes the middleware.
+        with bridge, attached.monitor(bridge, clock), published_log:
+            stack.callback(_tell_account, bridge.account, logger, json_too=arguments.json)
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
+    return OK
+
+
+def _tell_account(account: Account, logger: logging.Logger, *, json_too: bool) -> None:
+    """Log the account at the end, also if a thread has failed. With ``json_too``, also print it as a JSON object."""
     for number in _STOPPING:
         signal.signal(number, signal.SIG_IGN)  # a second signal would end Python with an error code during shutdown
-    logger.info("%s", bridge.account.summary())
-    if arguments.json:
-        print(json.dumps(bridge.account.as_dict()))
-    return OK
+    logger.info("%s", account.summary())
+    if json_too:
+        print(json.dumps(account.as_dict()))
+
+
+def _warn_of_changes(changed: Sequence[str], account: Account, logger: logging.Logger) -> None:
+    """Warn that files have changed since the generated code was made, in the log and on /diagnostics."""
+    if changed:
+        more = f" and {len(changed) - _NAMED} more" if len(changed) > _NAMED else ""
+        files = ", ".join(changed[:_NAMED]) + more
+        text = f"the generated code is that of an earlier state of {files}; run `roverlink generate`"
+        account.standing = {"generated code": text}
+        logger.warning("%s", text)
 
 
 def _announce(registry: Registry, node: str, port: int, logger: logging.Logger, *, json_too: bool) -> None:

@@ -10,6 +10,8 @@ With --bridge, the command starts a bridge, and stops it at the end. It then pri
 bridge published, forwarded and dropped. The exit code is 1 if these numbers do not add up to the number of
 datagrams sent, or if the memory of the bridge grows.
 
+A line on standard error says if this computer was too slow for the rate (--rate).
+
 Peers that must sign (table key `sign`) use the keys in the files of --key-file. With --bridge, the bridge
 gets these files, too; without --key-file, the command makes keys for this run alone.
 
@@ -42,6 +44,7 @@ from roverlink.console import (
     add_project,
     documented_command,
     isolate_ros,
+    print_note,
     project_folder,
     rate,
     seconds,
@@ -134,9 +137,14 @@ def run(arguments: argparse.Namespace) -> int:
         # Signatures and link messages are numbered, so that none can be sent twice.
         if hertz >= _PREPARED_FROM_HZ and keys is None and registry.link is None:
             stream = _repeated(stream, _PREPARED)
+        totals = RunTotals()
         if arguments.bridge is None:
-            return _to_a_bridge(arguments, world, stream)
-        return _with_a_bridge(arguments, world, stream, key_files)
+            code = _to_a_bridge(arguments, world, stream, totals)
+        else:
+            code = _with_a_bridge(arguments, world, stream, totals, key_files)
+        if note := totals.missed_rate(hertz):
+            print_note(note)
+        return code
 
 
 def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.ExitStack) -> Sequence[Path]:
@@ -154,8 +162,7 @@ def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.E
     return [*make_throw_away_keys(registry, Path(folder)).values()]
 
 
-def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) -> int:
-    totals = RunTotals()
+def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream, totals: RunTotals) -> int:
     with Senders(*udp.destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
         for _ in _play(stream, arguments.seconds, senders, totals, world):
             pass
@@ -167,8 +174,9 @@ def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream) ->
     return OK
 
 
-def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream, key_files: Sequence[Path]) -> int:
-    totals = RunTotals()
+def _with_a_bridge(
+    arguments: argparse.Namespace, world: World, stream: Stream, totals: RunTotals, key_files: Sequence[Path]
+) -> int:
     with contextlib.ExitStack() as stack:
         isolate_ros(stack)
         arrivals = stack.enter_context(Arrivals(world.registry))
@@ -193,16 +201,18 @@ def _with_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream, 
 
 
 def _repeated(stream: Stream, count: int) -> Stream:
-    """Yield the first ``count`` datagrams of a stream again and again, at later and later times.
+    """Return a stream of the first ``count`` datagrams of a stream again and again, at later and later times.
 
-    These datagrams are made before the first is sent, because making a datagram takes longer than sending it.
+    These datagrams are made here, before the clock of the run starts.
     """
     prepared = [*itertools.islice(stream, count)]
     # One interval behind the last datagram, so that the seam of two repetitions is not a burst.
     length = prepared[-1].at + prepared[-1].at / count
-    for start in itertools.count():
-        for emission in prepared:
-            yield dataclasses.replace(emission, at=start * length + emission.at)
+    return (
+        dataclasses.replace(emission, at=start * length + emission.at)
+        for start in itertools.count()
+        for emission in prepared
+    )
 
 
 def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, world: World) -> Iterator[float]:
@@ -222,6 +232,7 @@ def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, wo
             totals.seconds = now
             yield now
             time.sleep(max(0.0, min(_TICK_S, emission.at - (time.monotonic() - start))))
+        totals.played = max(totals.played, emission.at)
         if not senders.send(emission):
             totals.unsendable += 1
             continue

@@ -3,10 +3,13 @@
 Show the state of all running bridges live, to see which messages arrive and which are lost. The command
 reads the topic /diagnostics, so a bridge may run on any machine of the same ROS 2 domain.
 
-The first lines count the datagrams of the whole bridge. The table has these columns for each row of
-mapping.yaml:
-  level    OK; WARN: too few messages, a loss, or a QoS that does not match; STALE: expected messages do not
-           come; ERROR: messages are dropped, and none is bridged
+The first line has the worst of all that is wrong: with the bridge, its peers and boards, their addresses,
+protos and losses, the stops and the rows. WAITING is a peer or board that has not spoken yet. The lines below
+it say what to do, and what else is wrong. The table has these columns for each row of mapping.yaml:
+  level    OK; WARN: too few messages, a loss, other protos, or a QoS that does not match; SILENT: expected
+           messages do not come, or the peer or board is silent; ERROR: messages are dropped, and none is
+           bridged; STOP: the bridge tells the peer to stop; REST: the same before the first command; IDLE: no
+           message yet
   rate     messages a second, in the last two seconds
   min      messages a second that the table expects at least (key expect_rate)
   age      time since the last message
@@ -20,7 +23,7 @@ Keys:
   up, down, page up, page down, home, end (or k, j, g, G)   select a row, and scroll
   s, S   sort by the next or the last of: number, name, level, rate, age, dropped
   /      show only rows with a text in their name, topic, direction or level
-  p      show only rows with a problem: another level than OK, drops, or a stopped peer
+  p      show only rows with a problem: another level than OK, IDLE and REST, or drops
   Esc    show all rows again
   Tab    select the next bridge
   q      quit
@@ -42,8 +45,9 @@ from typing import Any
 
 from roverlink import link_page, topic_types
 from roverlink.console import FINDINGS, OK, Subparsers, add_middleware, documented_command, print_note, seconds
-from roverlink.heard_bridges import QUIET_S, HeardBridges, has_problems
+from roverlink.heard_bridges import QUIET_S, HeardBridges
 from roverlink.keyboard import Keyboard
+from roverlink.link_judgement import worst_of
 from roverlink.link_page.followed_bridges import FollowedBridges
 from roverlink.link_page.live_page import LivePage
 from roverlink.runtime import SetupError
@@ -52,6 +56,7 @@ from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.interfaces.rcl_interfaces import Log
 from roverlink.runtime.middleware import Middleware, open_middleware, rosout
 from roverlink.runtime.monitoring import diagnostic_array
+from roverlink.runtime.ros_arguments import ros_args
 
 _REFRESH_S = 0.25
 _MOST_ON_PAGE = 16  # bridges
@@ -72,8 +77,8 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--once",
         action="store_true",
-        help="show the state once and exit: with code 0 if each bridge, its rows, and its peers and boards are OK "
-        "and no two bridges have the same name, else with 1",
+        help="show the state once and exit: with code 0 if the first line of each bridge says OK and no two bridges "
+        "have the same name, else with 1 (a peer or board that has not spoken yet is not OK)",
     )
     parser.add_argument(
         "--json",
@@ -86,7 +91,7 @@ def add(commands: Subparsers) -> None:
         "--timeout", type=seconds, default=10.0, metavar="S", help="wait at most S seconds for a bridge (default: 10)"
     )
     add_middleware(parser)
-    parser.set_defaults(run=run, runs_until_stopped=True)
+    parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -108,8 +113,10 @@ def run(arguments: argparse.Namespace) -> int:
         for message in messages:
             arrived.put(message)
 
-    with open_middleware(arguments.middleware, topic_types.identity("top")) as middleware:
-        middleware.subscribe(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS, keep)
+    ros = ros_args.parse(arguments.ros_args, topic_types.identity("top").name)
+    topic = ros.topic(diagnostic_array.TOPIC)
+    with open_middleware(arguments.middleware, ros.node) as middleware:
+        middleware.subscribe(topic, DiagnosticArray, diagnostic_array.QOS, keep)
         state = _next_state(arrived, heard, min(_HEAR_S, arguments.timeout))
         if state is None and arguments.timeout > _HEAR_S:
             print_note(f"waiting for a bridge, at most {arguments.timeout:g} s")
@@ -117,7 +124,7 @@ def run(arguments: argparse.Namespace) -> int:
         if state is None:
             bridges = " or ".join(f"named {name!r}" for name in arguments.node)
             print_note(
-                f"no messages of a bridge{bridges and f' {bridges}'} on {diagnostic_array.TOPIC} within "
+                f"no messages of a bridge{bridges and f' {bridges}'} on {topic} within "
                 f"{arguments.timeout:g} s; check that the bridge runs in this ROS 2 domain, without --no-diagnostics",
             )
             return FINDINGS
@@ -133,7 +140,7 @@ def _show(arrived: queue.Queue[bytes], heard: HeardBridges, as_json: bool) -> in
     _hear_all(arrived, heard)
     if as_json:
         for bridge in heard.bridges:
-            print(json.dumps(bridge.state, indent=2))
+            print(json.dumps(_with_worst(bridge.state), indent=2))
     else:
         from rich.console import Console  # here: --help needs no rich
 
@@ -144,17 +151,23 @@ def _show(arrived: queue.Queue[bytes], heard: HeardBridges, as_json: bool) -> in
     warnings = heard.warnings()
     for warning in warnings:
         print_note(f"warning: {warning}")
-    return FINDINGS if warnings or any(has_problems(bridge.state) for bridge in heard.bridges) else OK
+    return (
+        FINDINGS if warnings or any(worst_of(heard.state_now(bridge)).level != "OK" for bridge in heard.bridges) else OK
+    )
 
 
 def _print_json(arrived: queue.Queue[bytes], heard: HeardBridges, state: dict[str, Any]) -> int:
     told: set[str] = set()
     while True:
-        print(json.dumps(state), flush=True)
+        print(json.dumps(_with_worst(state)), flush=True)
         _tell_new(heard.warnings(), told)
         while (next_state := _next_state(arrived, heard, QUIET_S)) is None:
             pass
         state = next_state
+
+
+def _with_worst(state: dict[str, Any]) -> dict[str, Any]:
+    return {"worst": worst_of(state)._asdict(), **state}
 
 
 def _tell_new(warnings: Sequence[str], told: set[str]) -> None:
@@ -178,7 +191,7 @@ def _follow(arrived: queue.Queue[bytes], heard: HeardBridges) -> int:
             view.bridge = min(view.bridge, len(bridges) - 1)
             live.update(top_screen.live(bridges, heard, view, *console.size), refresh=True)
             for key in keyboard.keys(_REFRESH_S):
-                if not view.press(key, [bridge.state for bridge in bridges]):
+                if not view.press(key, [heard.state_now(bridge) for bridge in bridges]):
                     return OK
 
 

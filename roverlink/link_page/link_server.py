@@ -22,7 +22,7 @@ from roverlink.runtime.net.page_requests import (
     refusal,
 )
 
-_ALIVE_S = 5.0
+_ALIVE_S = 2.0
 _ALIVE = b"event: alive\ndata: {}\n\n"
 """Event that tells the browser that the connection works, if there is no other for some seconds."""
 _OWN_SITES = ("same-origin", "none", None)

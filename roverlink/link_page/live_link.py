@@ -6,13 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 from roverlink.heard_bridges import QUIET_S, full_name, place
+from roverlink.link_judgement import Condition, old, worst_of
 from roverlink.link_page.last_values import HISTORY_S, History, LastValues, Values
-from roverlink.link_page.link_alarms import peers_of
 from roverlink.link_page.log_lines import LogLines
 from roverlink.topic_types import json_text
 
 LINK_FIELDS = ("rate", "age")
 """Fields of a row's own state that can be plotted besides those of its messages."""
+_NOT_HEARD = Condition("WAITING", "the bridge has not reported yet")
 
 
 class LiveLink:
@@ -41,9 +42,9 @@ class LiveLink:
     def entry(self) -> dict[str, Any]:
         """Return the bridge's entry in the list of all bridges."""
         if self.state is None:
-            return {"id": self.id, "name": self.id, "place": "", "level": ""}
-        level = "STALE" if self.state["quiet"] else self.state["node"]["level"]
-        return {"id": self.id, "name": full_name(self.state), "place": place(self.state), "level": level}
+            return {"id": self.id, "name": self.id, "place": "", "worst": _NOT_HEARD._asdict()}
+        worst = worst_of(self.state)
+        return {"id": self.id, "name": full_name(self.state), "place": place(self.state), "worst": worst._asdict()}
 
     def snapshot(self) -> bytes:
         """Return the events that a browser needs when it connects: state, values and log up to now."""
@@ -83,6 +84,7 @@ class LiveLink:
         quiet = now - taken_at > QUIET_S
         if given is self._shown and self.state is not None and quiet == self.state["quiet"]:
             return None
+        shown = old(given) if quiet else given
         rows = given["rows"]
         if given is not self._shown:
             self._link_history.keep({row["name"] for row in rows})  # a bridge may come back with another table
@@ -95,10 +97,7 @@ class LiveLink:
             "taken": taken_at,
             "history": HISTORY_S,
             "has_values": self._last_values is not None,
-            "quiet": quiet,
-            "node": given["node"],
-            "rows": rows,
-            "peers": peers_of(given["node"], rows, given["ends"], given["links"]),
+            **{name: shown[name] for name in ("quiet", "node", "rows", "peers")},
         }
 
 

@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import logging
 import secrets
-import threading
 import time
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
+from roverlink.link_judgement import Condition, conditions_of, worst
 from roverlink.link_page.event_clients import EventClients
 from roverlink.link_page.last_values import LastValues
-from roverlink.link_page.link_alarms import LinkAlarms, conditions_of
+from roverlink.link_page.link_alarms import LinkAlarms
 from roverlink.link_page.live_link import LiveLink, event
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.periodic_thread import PeriodicThread
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
 _TICK_S = 0.5
@@ -40,8 +41,7 @@ class LivePage:
         self._session = secrets.token_hex(8)
         self._start = time.monotonic()
         self._overview: dict[str, Any] = {}
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="page", daemon=True)
+        self._thread = PeriodicThread("page", _TICK_S, self.tick, logger)
 
     def add(self, id: str, values: LastValues | None = None) -> LiveLink:
         """Show one more bridge, and return its link; the arguments are those of `LiveLink`."""
@@ -99,20 +99,15 @@ class LivePage:
         self._parameters.change(changes)
 
     def __enter__(self) -> LivePage:
-        self._thread.start()
+        self._thread.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._ending.set()
-        self._thread.join()
+        self._thread.__exit__()
         self.clients.end()
 
     def _now(self) -> float:
         return round(time.monotonic() - self._start, 3)
-
-    def _run(self) -> None:
-        while not self._ending.wait(_TICK_S):
-            self.tick()
 
     def tick(self) -> None:
         """Send what is new to all browsers; the thread of this object calls this periodically."""
@@ -123,16 +118,19 @@ class LivePage:
             before = link.state
             events[id] = link.tick()
             if link.state is not None and link.state is not before:
-                self._alarms.update(id, conditions_of(link.state), link.state["now"])
+                self._alarms.update(id, conditions_of(link.state), link.state["now"], link.state["quiet"])
         bridges = self._bridges()
         overview = {**bridges, "now": None}
         changed, self._overview = overview != self._overview, overview
         self.clients.send(event("bridges", bridges) if changed else b"", events)
 
     def _bridges(self) -> dict[str, Any]:
+        entries = [link.entry() for _, link in sorted(self._links.items())]
+        warnings = (Condition("WARN", text) for text in self.warnings)
         return {
             "now": self._now(),
-            "bridges": [link.entry() for _, link in sorted(self._links.items())],
+            "bridges": entries,
+            "worst": worst([*(Condition(**entry["worst"]) for entry in entries), *warnings])._asdict(),
             "warnings": list(self.warnings),
             "alarms": self._alarms.as_list(),
         }

@@ -3,19 +3,21 @@
 "use strict";
 
 const byId = (id) => document.getElementById(id);
-const LOST_MS = 15000; // the server sends something at least every five seconds
+const LOST_MS = 6000; // the server sends something at least every two seconds
 const LOG_LINES = 200;
 const FIELDS_SHOWN = 6; // of a row, until the user asks for all
 const GAP_S = 4; // a longer pause interrupts the curve
 
 let page = null; // what the server allows, and the bridge that it shows
-let overview = { bridges: [], warnings: [], alarms: [] };
+let overview = { bridges: [], warnings: [], alarms: [], worst: null };
 let state = null; // the last state of the selected bridge
 let clock = { now: 0, at: 0 }; // seconds of the server's clock, at milliseconds of performance.now()
 let lastEventAt = performance.now();
+let lastEventTime = new Date();
 let values = new Map(); // row -> field -> value
 let lastLogNumber = 0;
 let beeps = 0;
+let events; // the connection
 
 function element(tag, text = "", className = "") {
   const made = document.createElement(tag);
@@ -86,6 +88,65 @@ function ageText(age) {
   return `${Math.floor(age / 3600)} h`;
 }
 
+// --- the worst state ---
+
+// Signs and words for the states that the bridge's side has computed, for sunlight and for those who see no colours.
+const SIGNS = {
+  OK: "✓ OK",
+  alive: "✓ alive",
+  WAITING: "… WAITING",
+  WARN: "! WARN",
+  SILENT: "✕ SILENT",
+  silent: "✕ SILENT",
+  ERROR: "✕ ERROR",
+  STOP: "■ STOP",
+  REST: "■ at rest",
+  IDLE: "no message yet",
+  never: "no message yet",
+  listens: "only receives",
+  UNKNOWN: "? UNKNOWN",
+};
+const COLOURS = { OK: "#006b24", WARN: "#d98e00", SILENT: "#c00000", ERROR: "#c00000" };
+
+const isConnected = () => events?.readyState === EventSource.OPEN && performance.now() - lastEventAt <= LOST_MS;
+
+// Returns the worst of what the bridge's side has computed and of the connection, which only the browser knows.
+function worstWith(computed) {
+  if (isConnected()) return computed ?? { level: "WAITING", text: `waiting for the bridge ${wanted() || page?.bridge || ""}`, advice: "" };
+  return {
+    level: "UNKNOWN",
+    text: `no connection to the bridge's page: all of this is old, from ${clockText(lastEventTime)}`,
+    advice: "The rover may be moving. Watch it, and have the emergency stop ready. Check the network, then the bridge.",
+  };
+}
+
+const clockText = (time) => time.toLocaleTimeString([], { hour12: false });
+
+// Shows a state as a badge; without a connection, nothing is known.
+function showLevel(node, name) {
+  const shown = isConnected() ? name : "UNKNOWN";
+  setText(node, SIGNS[shown] ?? shown);
+  setClass(node, `level ${shown}`);
+}
+
+function showWorst() {
+  const worst = worstWith(overview.bridges.find(({ id }) => id === page?.bridge)?.worst);
+  showLevel(byId("level"), worst.level);
+  setClass(document.querySelector("header"), worst.level);
+  const others = overview.alarms.filter(({ bridge, ended }) => bridge === page?.bridge && ended === null).length - 1;
+  setText(byId("worst"), others > 0 && isConnected() ? `${worst.text} (and ${others} more)` : worst.text);
+  setText(byId("advice"), worst.advice);
+  const all = worstWith(overview.bridges.length > 1 ? overview.worst : worst).level;
+  const count = newAlarms().length;
+  const title = `${count ? `(${count}) ` : ""}${SIGNS[all] ?? all} ${state?.node.name ?? "Link"}`;
+  if (document.title !== title) document.title = title;
+  const picture = byId("icon-picture"); // part of the page, because an icon of its own would have to name a site
+  picture.firstElementChild.setAttribute("fill", COLOURS[all] ?? "#5b6470");
+  setText(picture.lastElementChild, (SIGNS[all] ?? "?")[0]);
+  const href = `data:image/svg+xml,${encodeURIComponent(new XMLSerializer().serializeToString(picture))}`;
+  if (byId("icon").href !== href) byId("icon").href = href;
+}
+
 // --- alarms ---
 
 let acknowledged = new Set(); // numbers that this browser has acknowledged
@@ -132,7 +193,7 @@ function labelOf(bridge) {
 function showAlarms() {
   const alarms = shownAlarms();
   const labels = new Map(overview.bridges.map((bridge) => [bridge.id, labelOf(bridge)]));
-  alarms.sort((one, other) => one.acknowledged - other.acknowledged || other.number - one.number);
+  alarms.sort((one, other) => one.acknowledged - other.acknowledged); // the server has put the worst first
   const open = newAlarms();
   syncChildren(
     byId("alarms"),
@@ -143,22 +204,24 @@ function showAlarms() {
       const button = element("button");
       button.onclick = () => acknowledge([alarm.number]);
       item.append(element("div"), button);
-      item.firstChild.append(element("strong"), element("em"), element("span"), element("small"));
+      item.firstChild.append(element("strong"), element("em"), element("span"), element("span"), element("small"));
       return item;
     },
     (item, alarm) => {
-      setClass(item, alarm.acknowledged ? `${alarm.level} acknowledged` : alarm.level);
-      const [subject, bridge, text, times] = item.firstChild.children;
-      setText(subject, `${alarm.level}: ${alarm.subject}`);
+      const isOver = alarm.ended !== null;
+      setClass(item, isOver ? "over" : alarm.acknowledged ? `${alarm.level} acknowledged` : alarm.level);
+      const [subject, bridge, text, advice, times] = item.firstChild.children;
+      setText(subject, `${isOver ? "over" : SIGNS[alarm.level] ?? alarm.level}: ${alarm.subject}`);
       setText(bridge, overview.bridges.length > 1 ? labels.get(alarm.bridge) ?? alarm.bridge : "");
       bridge.hidden = !bridge.textContent;
-      setText(text, alarm.text);
+      setText(text, isOver ? `It was: ${alarm.text}` : alarm.text);
+      setPart(advice, isOver ? "" : alarm.advice);
       const ago = (time) => ageText(Math.max(0, now() - time));
       setText(
         times,
-        alarm.ended === null
-          ? `for ${ago(alarm.since)}${alarm.acknowledged ? ", acknowledged" : ""}`
-          : `is over; it began ${ago(alarm.since)} ago and ended ${ago(alarm.ended)} ago`
+        isOver
+          ? `is over; it began ${ago(alarm.since)} ago and ended ${ago(alarm.ended)} ago`
+          : `for ${ago(alarm.since)}${alarm.acknowledged ? ", acknowledged" : ""}`
       );
       item.lastChild.hidden = alarm.acknowledged;
       setText(item.lastChild, token ? "Acknowledge for all" : "Acknowledge");
@@ -167,11 +230,11 @@ function showAlarms() {
   );
   byId("no-alarms").hidden = alarms.length > 0;
   byId("acknowledge-all").hidden = open.length < 2;
-  setText(byId("alarm-count"), open.length ? `(${open.length} new)` : "");
-  const name = state?.node.name ?? "Link";
-  const title = open.length ? `(${open.length}) ${name}` : name;
-  if (document.title !== title) document.title = title;
+  const over = alarms.filter(({ ended }) => ended !== null).length;
+  const counts = [[alarms.length - over, "now"], [over, "over"]].filter(([count]) => count);
+  setText(byId("alarm-count"), counts.map(([count, word]) => `${count} ${word}`).join(", "));
   showTabs(open);
+  showWorst();
 }
 
 function showTabs(open) {
@@ -191,8 +254,7 @@ function showTabs(open) {
     (made, bridge) => {
       const [name, level, count] = made.children;
       setText(name, labelOf(bridge));
-      setText(level, bridge.level);
-      setClass(level, `level ${bridge.level}`);
+      showLevel(level, bridge.worst.level);
       const number = open.filter((alarm) => alarm.bridge === bridge.id).length;
       setText(count, number ? `${number} new` : "");
       if (bridge.id === page.bridge) made.setAttribute("aria-current", "page");
@@ -226,8 +288,7 @@ byId("sound").onclick = () => {
     audio = new AudioContext();
     beep(); // so that the user hears how loud it is
   }
-  byId("sound").setAttribute("aria-pressed", String(audio !== null));
-  setText(byId("sound"), audio ? "Sound on" : "Sound off");
+  setText(byId("sound"), audio ? "Turn sound off" : "Turn sound on");
 };
 byId("acknowledge-all").onclick = () => acknowledge(newAlarms().map((alarm) => alarm.number));
 
@@ -326,18 +387,12 @@ setInterval(() => token && page?.sets_parameters && showParameters().catch(() =>
 
 // --- peers and totals ---
 
-const PEER_STATES = {
-  alive: "✓ alive",
-  silent: "✕ SILENT",
-  never: "no message yet",
-  listens: "only receives",
-};
 const LINK_FAULTS = {
   not_resolved: "✕ host not resolved",
   not_learned: "address not learned yet",
   unreachable: "✕ unreachable",
 };
-const SCHEMA_SIGNS = { same: "✓ ", differs: "≠ ", unknown: "" };
+const SCHEMA_TEXTS = { same: "✓ the same protos", differs: "≠ other protos", unknown: "no link message yet" };
 const SCHEMA_CLASSES = { same: "OK", differs: "WARN", unknown: "never" };
 
 function showPeers() {
@@ -347,16 +402,15 @@ function showPeers() {
     (peer) => peer.name,
     () => {
       const made = element("div", "", "peer");
-      made.append(newEnd(), element("span"), element("ul", "", "boards"));
+      made.append(newEnd(), element("span", "", "stop"), element("span", "", "rest"), element("ul", "", "boards"));
       return made;
     },
     (made, peer) => {
-      const [end, stop, boards] = made.children;
+      const [end, stop, rest, boards] = made.children;
       const unsent = peer.unsent ? `; ${peer.unsent} not sent` : "";
       showEnd(end, peer, `${rateText(peer.rate_in)} in, ${rateText(peer.rate_out)} out${unsent}`);
-      setClass(stop, "stop");
-      stop.hidden = peer.stopping.length === 0;
-      setText(stop, `■ told to stop: ${peer.stopping.join(", ")}`);
+      setPart(stop, peer.stopping.length ? `■ told to stop: ${peer.stopping.join(", ")}` : "");
+      setPart(rest, peer.resting.length ? `■ at rest, no command yet: ${peer.resting.join(", ")}` : "");
       boards.hidden = !peer.boards.length;
       syncChildren(boards, peer.boards, (board) => board.name, newBoard, (item, board) => showEnd(item.firstChild, board, ""));
     }
@@ -379,15 +433,15 @@ function newEnd() {
 function showEnd(made, end, rates) {
   const [name, shown, fault, facts, schema, statistics] = made.children;
   setText(name, end.name);
-  setClass(shown, `level ${end.state}`);
-  setText(shown, PEER_STATES[end.state]);
+  showLevel(shown, end.state);
   setClass(fault, `level ${end.link === "unreachable" ? "ERROR" : "WARN"}`);
   setPart(fault, LINK_FAULTS[end.link] ?? "");
   const heard = rates ? end.age !== null : end.state === "silent";
   setPart(facts, [heard ? `last message ${ageText(end.age)} ago` : "", rates, end.address].filter(Boolean).join("; "));
   const report = end.report;
   setClass(schema, `schema ${report ? SCHEMA_CLASSES[report.schema] : ""}`);
-  setPart(schema, report ? `${SCHEMA_SIGNS[report.schema]}${report.message}` : "");
+  setClass(statistics, end.loss_level === "OK" ? "" : end.loss_level);
+  setPart(schema, report ? [SCHEMA_TEXTS[report.schema], report.differing].filter(Boolean).join(": ") : "");
   setPart(statistics, report ? statisticsText(report) : "");
 }
 
@@ -424,7 +478,6 @@ function showTotals() {
   const dropped = sumOf(node, "dropped.") + node.kernel_drops;
   const share = node.received ? ` (${((100 * dropped) / (node.received + node.kernel_drops)).toFixed(2)} %)` : "";
   const facts = [
-    ["state", node.message],
     ["received", `${node.received} (${rateText(node.received_rate)})`],
     ["lost or dropped", `${dropped}${share}`],
     ["reasons", namesOf(node, "dropped.") || "–"],
@@ -443,10 +496,7 @@ function showTotals() {
 
 // --- rows ---
 
-function rowState(row) {
-  if (row.stopping) return row.count ? ["■ STOP", "stop"] : ["■ at rest", "rest"];
-  return row.level === "OK" ? ["✓ OK", "OK"] : [row.level, row.level];
-}
+const CALM = ["IDLE", "REST"]; // verdicts of rows on which nothing has happened
 
 const expanded = new Set(); // rows that show all fields
 
@@ -456,7 +506,7 @@ function showFields(cell, row) {
   showPart(cell.firstChild, row, whole ? all : all.slice(0, FIELDS_SHOWN));
   const more = cell.lastChild;
   more.hidden = all.length <= FIELDS_SHOWN;
-  setText(more, whole ? "fewer fields" : `all ${all.length} fields`);
+  setText(more, whole ? "Show fewer fields" : `Show all ${all.length} fields`);
 }
 
 function showPart(cell, row, fields) {
@@ -487,7 +537,7 @@ function showRows() {
   const rows = state.rows.filter(
     (row) =>
       [row.name, row.peer, row.topic].some((text) => text.toLowerCase().includes(wanted)) &&
-      (!byId("active").checked || row.count || sumOf(row, "dropped.") || row.level !== "OK")
+      (!byId("active").checked || !CALM.includes(row.verdict) || sumOf(row, "dropped."))
   );
   syncChildren(
     byId("rows").tBodies[0],
@@ -514,14 +564,12 @@ function showRows() {
     (made, row) => {
       const [name, shown, rate, age, drops, fields] = made.children;
       const dropped = sumOf(row, "dropped.");
-      setClass(made, row.count || dropped ? "" : "idle");
+      setClass(made, CALM.includes(row.verdict) && !dropped ? "idle" : "");
       setText(name.firstChild, row.name);
       setText(name.lastChild, `${row.number}, ${row.direction.replace("_to_", " → ")}, ${row.topic}`);
-      const [label, kind] = rowState(row);
-      setText(shown.firstChild, label);
-      setClass(shown.firstChild, `level ${kind}`);
-      const deadman = row.deadman_after === undefined ? "" : `stop after ${row.deadman_after} s; ${row.stops} sent`;
-      setText(shown.lastChild, [row.message, deadman].filter(Boolean).join("; "));
+      showLevel(shown.firstChild, row.verdict);
+      const deadman = row.deadman_after === undefined ? "" : `stops after ${row.deadman_after} s of silence; ${row.stops} stops sent`;
+      setText(shown.lastChild, [row.reason, deadman].filter((text) => text && text !== SIGNS[row.verdict]).join("; "));
       setText(rate, rateText(row.rate) + (row.expect_rate === undefined ? "" : ` of ${row.expect_rate}`));
       setText(age, ageText(row.age));
       setText(drops, dropped ? `${dropped} (${namesOf(row, "dropped.")})` : "–");
@@ -665,7 +713,7 @@ function showLog(lines) {
   const list = byId("log");
   const atEnd = list.scrollTop + list.clientHeight >= list.scrollHeight - 8;
   for (const line of lines.filter(({ number }) => number > lastLogNumber)) {
-    const time = new Date(line.time * 1000).toLocaleTimeString([], { hour12: false });
+    const time = clockText(new Date(line.time * 1000));
     list.append(element("li", `${time} ${line.level} ${line.text}`, line.level));
     lastLogNumber = line.number;
   }
@@ -703,16 +751,19 @@ function takeState(next) {
   state = next;
   setClock(next.now);
   setText(byId("name"), state.node.name);
-  setText(byId("level"), state.quiet ? "STALE" : state.node.level);
-  setClass(byId("level"), `level ${byId("level").textContent}`);
-  showAlarms();
-  showPeers();
-  showTotals();
-  showRows();
+  showState();
   showChoices();
   const row = state.rows.find(({ name }) => name === plot.row);
   if (row && isLinkField(plot.field)) addPoint(state.now, row[plot.field.slice(1)]);
   drawPlot();
+}
+
+function showState() {
+  showAlarms();
+  if (!state) return;
+  showPeers();
+  showTotals();
+  showRows();
 }
 
 function takeValues({ now: time, rows }) {
@@ -725,26 +776,26 @@ function takeValues({ now: time, rows }) {
 }
 
 function connectionText() {
-  if (performance.now() - lastEventAt > LOST_MS || events.readyState !== EventSource.OPEN)
-    return "NO CONNECTION to the bridge's page";
-  if (!state) return `waiting for the bridge ${wanted() || (page?.bridge ?? "")}`;
-  return state.quiet ? "the bridge no longer reports" : "live";
+  if (!isConnected()) return "NO CONNECTION";
+  return state && !state.quiet ? "live" : "not live";
 }
 
 function showConnection() {
   const text = connectionText();
+  if (byId("connection").textContent === text) return;
   setText(byId("connection"), text);
   setClass(byId("connection"), text === "live" ? "" : "lost");
-  return text.startsWith("NO CONNECTION");
+  setClass(document.querySelector("main"), text === "live" ? "" : "old");
+  if (page) showState(); // what is old has no colour
 }
 
-let events;
 function connect() {
   const source = new EventSource(`events?${new URLSearchParams({ bridge: wanted() || (page?.bridge ?? "") })}`);
   events = source;
   const on = (name, take) =>
     source.addEventListener(name, (event) => {
       lastEventAt = performance.now();
+      lastEventTime = new Date();
       take(JSON.parse(event.data));
       showConnection();
     });
@@ -771,16 +822,15 @@ function selectBridge() {
   for (const part of [byId("peers"), byId("totals"), byId("rows").tBodies[0], byId("log")]) part.replaceChildren();
   lastLogNumber = 0;
   setText(byId("name"), wanted() || "Link");
-  setText(byId("level"), "");
-  setClass(byId("level"), "level");
   events.close();
   connect();
+  if (page) showAlarms(); // nothing of the bridge before must look like a state of this one
 }
 window.onhashchange = selectBridge;
 
 function setTheme(dark) {
   document.documentElement.classList.toggle("dark", dark);
-  byId("theme").setAttribute("aria-pressed", String(dark));
+  setText(byId("theme"), dark ? "Use light colours" : "Use dark colours");
   drawPlot();
 }
 byId("theme").onclick = () => {
@@ -792,6 +842,6 @@ setTheme(stored("localStorage", "roverlink-dark") === "yes");
 
 connect();
 setInterval(() => {
-  const lost = showConnection();
-  if (lost || newAlarms().length) beep();
+  showConnection();
+  if (!isConnected() || newAlarms().length) beep();
 }, 2000);

@@ -18,8 +18,8 @@ from roverlink.runtime.net.page_requests import Answer
 from roverlink.runtime.private_files import create_private, read_private
 
 _SHORTEST, _LONGEST = 16, 1024  # characters
-_TRIES = 5  # wrong tokens of an address
-_PAUSE_S = 60.0
+_LONGEST_DELAY_S = 10
+_WITHIN_S = 60.0
 _REMEMBERED = 256  # addresses
 
 
@@ -53,7 +53,11 @@ def _made(path: Path, logger: logging.Logger) -> str:
 
 
 class PageToken:
-    """Token that a request must carry to act. An address that sends wrong tokens has to wait. Thread-safe."""
+    """Token that a request must carry to act. Thread-safe.
+
+    Who sends wrong tokens has to wait longer and longer for the answers. The right token is never kept waiting: at the
+    end of a tunnel, all browsers have the same address.
+    """
 
     def __init__(self, token: str, logger: logging.Logger, clock: Callable[[], float] = time.monotonic) -> None:
         self._token, self._warnings, self._clock = token.encode(), ThrottledWarnings(logger), clock
@@ -63,28 +67,26 @@ class PageToken:
     def refusal(self, authorization: str | None, address: str) -> Answer | None:
         """Return the answer that refuses a request; None if its header ``Authorization`` has the token.
 
-        ``address`` is the IP address of the client. After five wrong tokens, no token of the address is compared for a
-        minute.
+        ``address`` is the IP address of the client. The answer to a wrong token waits a second for each earlier wrong
+        token of the address, in the last minute.
         """
         scheme, _, given = (authorization or "").partition(" ")
         if scheme.lower() != "bearer" or not given:
             return _unauthorized("this needs the token of the page; press Unlock")
+        if hmac.compare_digest(given.strip().encode("utf-8", "surrogateescape"), self._token):
+            return None
         now = self._clock()
         with self._lock:
-            wrong = self._wrong.get(address)
-            if wrong is not None and len(wrong) == _TRIES and now < wrong[0] + _PAUSE_S:
-                wait = int(wrong[0] + _PAUSE_S - now) + 1
-                why = f"too many wrong tokens came from {address}; try again in {wait} s\n".encode()
-                return Answer(HTTPStatus.TOO_MANY_REQUESTS, body=why, headers={"Retry-After": str(wait)})
-            if hmac.compare_digest(given.strip().encode("utf-8", "surrogateescape"), self._token):
-                return None
-            self._wrong.setdefault(address, deque(maxlen=_TRIES)).append(now)
+            wrong = self._wrong.setdefault(address, deque(maxlen=_LONGEST_DELAY_S))
+            delay = sum(time > now - _WITHIN_S for time in wrong)
+            wrong.append(now)
             self._wrong.move_to_end(address)
             if len(self._wrong) > _REMEMBERED:
                 self._wrong.popitem(last=False)
         self._warnings.warn("page_token", f"the page refused a wrong token from {address}")
-        return _unauthorized("the token is wrong")
+        return _unauthorized("the token is wrong", delay)
 
 
-def _unauthorized(why: str) -> Answer:
-    return Answer(HTTPStatus.UNAUTHORIZED, body=f"{why}\n".encode(), headers={"WWW-Authenticate": "Bearer"})
+def _unauthorized(why: str, delay: int = 0) -> Answer:
+    headers = {"WWW-Authenticate": "Bearer"}
+    return Answer(HTTPStatus.UNAUTHORIZED, body=f"{why}\n".encode(), headers=headers, delay_s=delay)

@@ -26,6 +26,7 @@ _OF_THE_BRIDGE = (
 )
 """Reasons for drops that depend on the state of the bridge, so they cannot be predicted from the datagram alone."""
 _WARMED_UP = 0.25
+_REACHED = 0.95  # of the rate; a short pause of the computer is made up for
 _MOST_GROWTH = 8 * 1024 * 1024
 
 
@@ -53,6 +54,8 @@ class RunTotals:
     """Number of datagrams sent to the bridge, by predicted result (see `predict`)."""
     seconds: float = 0.0
     """Duration of the run in seconds."""
+    played: float = 0.0
+    """Time of the last emission in seconds; less than the duration if this computer is too slow for the rate."""
     unsendable: int = 0
     """Number of datagrams that were not sent, because this host's network refused them."""
     commands: int = 0
@@ -65,6 +68,13 @@ class RunTotals:
     """Counters of the bridge at its end, with the keys of `roverlink.runtime.bridge.account.Account.as_dict`."""
     memory: list[int] = field(default_factory=list)
     """Resident memory of the bridge's process in bytes, one value per second."""
+
+    def missed_rate(self, wanted: float) -> str:
+        """Return the note that fewer datagrams a second were made than ``wanted``; empty if the rate was reached."""
+        if self.played >= _REACHED * self.seconds:
+            return ""
+        reached = wanted * self.played / self.seconds
+        return f"missed the rate: {reached:.0f} of {wanted:.0f} datagrams a second, because this computer is too slow"
 
     def as_dict(self) -> dict[str, Any]:
         """Return all totals as plain values, for JSON."""

@@ -283,8 +283,12 @@ def _noise(datagram: bytes, world: World) -> bytes:
 
 
 def _of_the_other_direction(datagram: bytes, world: World) -> bytes:
-    outbound = [handler.route.name for handler in world.registry.handlers if not handler.route.inbound]
-    return world.datagram(world.rng.choice(outbound), 1.0) if outbound else _noise(datagram, world)
+    outbound = [handler for handler in world.registry.handlers if not handler.route.inbound]
+    if not outbound:
+        return _noise(datagram, world)
+    handler = world.rng.choice(outbound)
+    # Without a signature: that of another board, from this board's socket, may overtake what the other board sends.
+    return world.registry.datagram(handler.route.name, payload_at(handler.payload_type, 1.0))
 
 
 _DAMAGES = (_cut, _flipped, _too_long, _noise, _of_the_other_direction)

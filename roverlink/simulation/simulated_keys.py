@@ -33,7 +33,8 @@ class _Sender:
         self.signatures = signatures
         self.honest = signatures.outgoing
         secret = secrets.token_bytes(KEY_BYTES)
-        self.forger = Signer(number, dataclasses.replace(key, secret=secret), signatures.clock).sign
+        self.clock = signatures.clocks[key.sender]
+        self.forger = Signer(number, dataclasses.replace(key, secret=secret), self.clock).sign
         # A clock that starts in 2015: every key was made later.
         self.latecomer = Signer(number, key, SigningClock(wall=lambda: 0)).sign
 
@@ -83,12 +84,11 @@ class SimulatedKeys(contextlib.ExitStack):
     def translator(self) -> Translator:
         """Return a translator that accepts what a bridge accepts, if only the simulated peers sign with these keys."""
         keys = [
-            (file_key.key, self._senders[file_key.key.sender])
+            (file_key.key, self._senders[file_key.key.sender].clock.last, SigningClock())
             for file_key, _ in self._keys
             if file_key.key.sender in self._senders
         ]
-        starts = [(key, sender.signatures.clock.last) for key, sender in keys]
-        return VerifyingTranslator(self._registry, Verifier(self._number, starts, SigningClock()))
+        return VerifyingTranslator(self._registry, Verifier(self._number, keys))
 
     def must_sign(self, end: EndName) -> bool:
         """Return true if an end must sign."""

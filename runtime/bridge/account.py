@@ -29,7 +29,7 @@ class Account:
     extra_published: Counter[str] = field(default_factory=Counter)
     """Messages published on extra topics, by topic."""
     extra_unpublished: Counter[str] = field(default_factory=Counter)
-    """Messages not published on an extra topic because a value did not fit or a subscriber was too slow, by topic."""
+    """Messages of extra topics that did not fit, or that the middleware did not accept, by topic."""
     sent: Counter[str] = field(default_factory=Counter)
     """Datagrams sent to peers, made from messages of topics, by payload."""
     forwarded: Counter[str] = field(default_factory=Counter)
@@ -38,6 +38,8 @@ class Account:
     """Datagrams received but not bridged, by reason (`Reason`)."""
     dropped_of_row: Counter[tuple[str, str]] = field(default_factory=Counter)
     """Dropped datagrams whose payload is known, by payload and reason."""
+    clocks_ahead: Counter[str] = field(default_factory=Counter)
+    """Signed datagrams that were accepted more than a minute ahead of this computer's clock, by who signed them."""
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused to send, by peer."""
     unforwarded: Counter[str] = field(default_factory=Counter)
@@ -64,6 +66,8 @@ class Account:
     """Texts about publishers and subscriptions of other nodes whose QoS does not match now, by topic in the table."""
     kernel_drops: int = 0
     """Datagrams that the kernel dropped because the socket's receive buffer was full."""
+    standing: dict[str, str] = field(default_factory=dict)
+    """Texts about what is wrong now and lasts, such as generated code of another table, by subject."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the counters as plain values, for JSON."""
@@ -78,6 +82,7 @@ class Account:
             "superseded": dict(sorted(self.superseded.items())),
             "failed": dict(sorted(self.failed.items())),
             "stops": dict(sorted(self.stops.items())),
+            "clocks_ahead": dict(sorted(self.clocks_ahead.items())),
             "unsent": dict(sorted(self.unsent.items())),
             "unforwarded": dict(sorted(self.unforwarded.items())),
             "link_events": {
@@ -90,6 +95,7 @@ class Account:
             "extra_unpublished": dict(sorted(self.extra_unpublished.items())),
             "qos_mismatches": {topic: len(texts) for topic, texts in sorted(self.qos_mismatches.items())},
             "kernel_drops": self.kernel_drops,
+            "standing": {subject: text for subject, text in sorted(self.standing.items()) if text},
             "by_payload": {
                 "published": dict(sorted(self.published.items())),
                 "sent": dict(sorted(self.sent.items())),

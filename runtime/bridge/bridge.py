@@ -13,24 +13,27 @@ nodes: whether the topics with ``deadman`` still have publishers, and whether th
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from functools import partial
 from typing import Any, Protocol
 
-from roverlink.runtime.bridge import extra_topics
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends, LinkState
+from roverlink.runtime.bridge.extra_topics import ExtraTopics
 from roverlink.runtime.bridge.forwarding import Forwarding
 from roverlink.runtime.bridge.link_exchange import EndReport, LinkExchange
+from roverlink.runtime.bridge.network_watch import NetworkWatch
 from roverlink.runtime.bridge.qos_watch import QosWatch
 from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
 from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
 from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
-from roverlink.runtime.core.errors import DatagramError, Reason
+from roverlink.runtime.core.errors import DatagramError, FailedThreadError, Reason
 from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
 from roverlink.runtime.core.translator import Translation, Translator
 from roverlink.runtime.interfaces import Time
@@ -41,6 +44,7 @@ from roverlink.runtime.net.destination import Destination
 from roverlink.runtime.net.hosts import Sender
 from roverlink.runtime.net.sources import restricts_sources
 from roverlink.runtime.ros_arguments.parameters import Parameters
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 from roverlink.runtime.text.host_names import LEARN
 
 NODE = "udp_forwarder"
@@ -86,21 +90,25 @@ class Bridge:
         logger: logging.Logger,
         observers: Sequence[Observer] = (),
         links: SignedLinks | None = None,
+        clock: Clock = SYSTEM_CLOCK,
     ) -> None:
         """Bind the UDP port.
 
         ``topic`` returns the fully qualified name of a topic from its name in the table. ``links`` has the keys of the
-        peers that must sign. Raises `SetupError` if the port is in use or a key is missing.
+        peers that must sign. ``clock`` shows the time of reception, for the stamps of messages. Raises `SetupError` if
+        the port is in use or a key is missing.
         """
         self._registry, self._parameters, self._middleware, self._topic = registry, parameters, middleware, topic
         self._signed_peers = SignedPeers(registry, links)
         self._translator = self._signed_peers.translator()
-        self._logger = logger
+        self._logger, self._clock = logger, clock
         self._socket = udp.bind(
             parameters.listen_address, parameters.listen_port, parameters.receive_buffer, "parameter listen_port"
         )
         self._counters = Counters(self._socket, logger)
         self.account = self._counters.account
+        if links is not None:
+            self.account.clocks_ahead = links.verifier.ahead
         self._sending = self._send if registry.link is None else self._send_counted
         self._ends = Ends(registry, parameters, self._counters, self._socket)
         self._sender: Sender | None = None  # of the datagrams that are handled now, if an address is to be learned
@@ -114,7 +122,7 @@ class Bridge:
         self._inbound_rows: dict[str, InboundRow] = {}
         self._outbound_rows: list[OutboundRow] = []
         self._paced: list[PacedInboundRow] = []
-        self._extra_topics = extra_topics.ExtraTopics(self.account, self._counters.warnings)
+        self._extra_topics = ExtraTopics(self.account, self._counters.warnings)
         self._forwarding = Forwarding(
             registry,
             self._ends,
@@ -123,7 +131,7 @@ class Bridge:
             self._sending,
             self._counters,
         )
-        self._failure: BaseException | None = None
+        self._failure: FailedThreadError | None = None
         self._link = self._exchange(parameters.link_policy)
 
     @property
@@ -163,7 +171,8 @@ class Bridge:
         watches = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
         routes = {self._topic(handler.route.topic): handler.route for handler in handlers}
         qos_watch = QosWatch(routes, self._middleware.endpoints, self.account, self._counters.warnings)
-        self._watch = Timekeeper("graph-watch", [*filter(None, watches), qos_watch], self._fail)
+        network_watch = NetworkWatch(self._middleware.address_changes, self.account, self._counters.warnings)
+        self._watch = Timekeeper("graph-watch", [*filter(None, watches), qos_watch, network_watch], self._fail)
         self._warn_of_small_buffer()
         self._ends.start()
         self._timekeeper.__enter__()
@@ -173,21 +182,23 @@ class Bridge:
         return self
 
     def __exit__(self, *_: object) -> None:
-        # The order matters: first no datagram comes in, then no timer fires, then the waiting messages are published
-        # and the topics closed. The stops go out last, because nothing may follow them.
-        self._receiver.__exit__()
-        self._counters.count_unhandled(self._receiver.left)
-        self._watch.__exit__()
-        self._timekeeper.__exit__()
-        for paced in self._paced:
-            paced.end()
-        self._middleware.close()
-        for row in self._outbound_rows:
-            row.end()
-        self._counters.read_kernel_drops()
-        self._counters.warnings.log_suppressed()
-        self._socket.close()
-        self._ends.close()
+        # To be read from below, because the stack calls what was added last first. The order matters: first no datagram
+        # comes in, then no timer fires, then the waiting messages are published and the topics closed. The stops go out
+        # last, because nothing may follow them. If one step fails, the others are done all the same.
+        with ExitStack() as steps:
+            steps.callback(self._ends.close)
+            steps.callback(self._socket.close)
+            steps.callback(self._counters.warnings.log_suppressed)
+            steps.callback(self._counters.read_kernel_drops)
+            for row in reversed(self._outbound_rows):
+                steps.callback(row.end)
+            steps.callback(self._middleware.close)
+            for paced in reversed(self._paced):
+                steps.callback(paced.end)
+            steps.callback(self._timekeeper.__exit__)
+            steps.callback(self._watch.__exit__)
+            steps.callback(lambda: self._counters.count_unhandled(self._receiver.left))
+            steps.callback(self._receiver.__exit__)
 
     def stop(self) -> None:
         """Make `run` return as soon as the datagrams that have already arrived are handled.
@@ -197,7 +208,7 @@ class Bridge:
         self._receiver.stop()
 
     def run(self) -> None:
-        """Wait until `stop` is called. If an unexpected error ended a thread of the bridge, raise that error."""
+        """Wait until `stop` is called. Raises `FailedThreadError` if an error ended a thread of the bridge."""
         self._receiver.join()
         if self._failure is not None:
             raise self._failure
@@ -295,12 +306,12 @@ class Bridge:
     def _dispatch(self, batch: udp.Batch, translator: Translator) -> None:
         # The receiver reads one byte more than allowed, so a longer datagram is recognized although the kernel cut it.
         fitting = self._without_oversized(batch)
-        stamp = extra_topics.now()
+        stamp = Time.since_1970(self._clock.now())
         translation = translator.receive_all(fitting, stamp)
         for refusal in translation.refusals:
             self._counters.count_dropped(refusal)
         self._publish(translation, stamp)
-        speakers = self._link.take(translation, translator.peers) if self._link is not None else []
+        speakers = self._link.take(translation) if self._link is not None else []
         # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
         self._forwarding.forward(fitting, translation.names, translation.restored)
         if self._sender is not None:
@@ -373,8 +384,8 @@ class Bridge:
         return row.connect(subscription, self._timekeeper.wake)
 
     def _fail(self, failure: BaseException) -> None:
-        """Stop the bridge because one of its threads failed; `run` raises the error."""
-        self._failure = failure
+        """Stop the bridge because the calling thread failed; `run` raises the error."""
+        self._failure = self._failure or FailedThreadError(threading.current_thread().name, failure)
         self.stop()
 
     def _warn_of_small_buffer(self) -> None:

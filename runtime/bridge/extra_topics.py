@@ -5,7 +5,6 @@ An extra topic has the payload of a row as a standard ROS 2 message, such as sen
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
@@ -13,15 +12,10 @@ from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.core.handler import all_to_cdr
 from roverlink.runtime.core.registry import AnyStandardHandler
 from roverlink.runtime.interfaces import Time
-from roverlink.runtime.middleware import Publisher
+from roverlink.runtime.middleware import NOT_ACCEPTED, Publisher
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
-
-
-def now() -> Time:
-    """Return the current wall-clock time, which is used as the receive time of a batch."""
-    return Time.since_1970(time.time_ns())
 
 
 class ExtraTopics:
@@ -58,7 +52,7 @@ class ExtraTopics:
         accepted = publisher.publish(messages) if messages else 0
         self._account.extra_published[handler.route.topic] += accepted
         if accepted < len(messages):
-            self._missed(handler, len(messages) - accepted, f"{handler.route.topic}: a subscriber is too slow")
+            self._missed(handler, len(messages) - accepted, f"{handler.route.topic}: {NOT_ACCEPTED}")
 
     def _missed(self, handler: AnyStandardHandler, count: int, why: str) -> None:
         self._account.extra_unpublished[handler.route.topic] += count

@@ -1,48 +1,55 @@
 """Exchange of link messages with all ends of the link: compare the schemas of the rows, and measure the link.
 
-A link message does not name its sender. The sender is the end to which the rows belong that the message lists: the
-board or the peer that sends or receives all of them, or to which they are forwarded. If several ends fit, the one that
-has most of the rows itself is the sender. A program that speaks the rows of several boards is the whole peer.
+A link message does not name its sender. The principal of the datagram and the rows that the message lists tell it (see
+`Principal`), so a link message changes only what is known about an end for which its principal may speak.
 
 A sender chooses a new session when it starts. Two senders of one end, such as two laptops, have two sessions. A session
-ends when its sender is silent for three seconds while another sender of the same end speaks; it has been started again.
+belongs to its principal: the same number from somebody else is another session. It ends when its sender is silent for
+three seconds while another sender of the same end speaks; it has been started again.
+
+A new session is answered at once with the hashes of all rows, but not twice in a second: anybody who may send link
+messages can also invent sessions.
 
 The receiving thread takes link messages, the timekeeper's thread sends them, and the monitor's thread reads the result.
 """
 
 from __future__ import annotations
 
+import math
 import threading
 import time
-from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections import Counter, defaultdict, deque
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.core import link_message
 from roverlink.runtime.core.envelope import strip_trailing_zeros
+from roverlink.runtime.core.errors import NOT_PROVEN
 from roverlink.runtime.core.link_message import LinkMessage, LinkWriter
 from roverlink.runtime.core.link_statistics import LinkStatistics
+from roverlink.runtime.core.principals import EndRows, Principal
 from roverlink.runtime.core.registry import EndName, Registry
 from roverlink.runtime.core.translator import Translation
 
 _SILENT_S = 3.0
-_MOST_SENDERS = 64
-"""Largest number of sessions that are remembered; a stranger could send any number."""
+_MOST_SENDERS = 8
+"""Largest number of sessions of an end that are remembered; a stranger could send any number."""
+_MOST_UNKNOWN = 64
+"""Largest number of sessions of unknown senders that are remembered, so that each is logged once."""
 
 SAME, DIFFERS, UNKNOWN = "same", "differs", "unknown"
 """Results of the comparison of schemas. `UNKNOWN` means that the end has never told the hash of a row."""
 
 
-@dataclass
+@dataclass(eq=False)
 class _Sender:
     """Program at the other end, from its start to its end."""
 
-    session: int
-    heard: float
+    end: EndName
+    """End that the program is."""
+    heard: float = 0.0
     """Time of the last link message in seconds."""
-    end: EndName | None = None
-    """End that the program is; None if no end has its rows."""
     hashes: dict[int, int] = field(default_factory=dict)
     statistics: LinkStatistics = field(default_factory=LinkStatistics)
     warned: set[int] = field(default_factory=set)
@@ -122,18 +129,19 @@ class LinkExchange:
         self._hashes, self._registry = hashes, registry
         self._warnings = warnings
         self._sends, self._refuse, self._policy = sends, refuse, policy
-        self._own = _own_rows(registry)
-        in_turn = {end: link_message.rows_in_turn(registry, end) for end in self._own}
-        self._spoken = {end: {registry.by_number[n].route.name for n in numbers} for end, numbers in in_turn.items()}
+        self._rows = EndRows(registry)
+        self._own = self._rows.own
         session = link_message.new_session()
         self._writers = {
-            end: LinkWriter(registry.envelope, session, {number: hashes[number] for number in in_turn[end]})
+            end: LinkWriter(registry.envelope, session, {number: hashes[number] for number in self._rows.in_turn[end]})
             for end in sends
         }
         self._due = dict.fromkeys(sends, time.monotonic())
         self._asked: set[EndName] = set(sends)  # ends that need the hashes of all rows at once
+        self._told = dict.fromkeys(sends, -math.inf)  # time at which each end got them
         self._began_us = time.time_ns() // 1000 - int(time.monotonic() * 1e6)
-        self._senders: dict[int, _Sender] = {}
+        self._senders: dict[tuple[Principal, int], _Sender] = {}  # by principal and session
+        self._unknown: deque[int] = deque(maxlen=_MOST_UNKNOWN)  # sessions whose sender is unknown
         self._restarts: Counter[EndName] = Counter()
         self._received: Counter[str | None] = Counter()  # by row
         self._received_links: Counter[EndName] = Counter()
@@ -154,8 +162,10 @@ class LinkExchange:
             if now < self._due[end]:
                 continue
             with self._lock:
-                turns = self._writers[end].turns if end in self._asked else 1
-                self._asked.discard(end)
+                turns = 1
+                if end in self._asked:
+                    self._asked.discard(end)
+                    turns, self._told[end] = self._writers[end].turns, now
                 self._due[end] = now + link_message.PERIOD_S
             strip = self._registry.peers_by_name[end.peer].strip_trailing_zeros
             for _ in range(turns):
@@ -173,12 +183,8 @@ class LinkExchange:
 
     # --- receiving ---
 
-    def take(self, translation: Translation, peers: frozenset[str] | None) -> list[EndName]:
-        """Count the datagrams of a batch, take the link messages in it, and return the ends that have sent these.
-
-        ``peers`` are the peers that may send from the address of the batch (table key ``sources``); None is any peer.
-        The link messages of other peers are ignored.
-        """
+    def take(self, translation: Translation) -> list[EndName]:
+        """Count the datagrams of a batch, take the link messages in it, and return the ends that have sent these."""
         names, links = translation.names, iter(translation.links)
         counted = 0
         speakers: list[EndName | None] = []
@@ -186,11 +192,12 @@ class LinkExchange:
             if name == link_message.NAME:
                 self._received.update(names[counted:index])
                 counted = index + 1
-                speakers.append(self._take(link_message.read(next(links)), peers))
+                principal, link = next(links)
+                speakers.append(self._take(principal, link_message.read(link)))
                 self._account.links_received += 1
         self._received.update(names[counted:])
         # They have no name in `names`, but they have arrived.
-        self._received.update(error.row for error in translation.refusals if error.row)
+        self._received.update(e.row for e in translation.refusals if e.row and e.reason not in NOT_PROVEN)
         return [*filter(None, speakers)]
 
     def follow(self, policy: str) -> None:
@@ -199,34 +206,30 @@ class LinkExchange:
             self._policy = policy
             self._apply()
 
-    def _take(self, message: LinkMessage, peers: frozenset[str] | None) -> EndName | None:
-        """Take a link message. Return its end if the message itself tells it, not only earlier ones of its session."""
+    def _take(self, principal: Principal, message: LinkMessage) -> EndName | None:
+        """Take a link message of a principal. Return the end that has sent it, or None if that is unknown."""
         now, arrived_us = time.monotonic(), self._now_us()
         with self._lock:
-            sender = self._senders.get(message.session)
-            is_new = sender is None
+            sender = self._senders.get((principal, message.session))
             told = {number: hash for number, hash in message.hashes.items() if number in self._hashes}
             hashes = {**(sender.hashes if sender else {}), **told}
-            end = self._end_of(hashes)
+            end = self._rows.end_of({self._registry.by_number[number].route.name for number in hashes}, principal)
             if end is None:
-                if is_new:
+                if message.session not in self._unknown:
+                    self._unknown.append(message.session)
                     text = "a link message has no row of the table: its sender is unknown"
                     self._warnings.warn("unknown sender", text)
-                    self._senders[message.session] = self._new_sender(message.session, now)
                 return None
-            if peers is not None and end.peer not in peers:
-                text = f"a link message of {end} has come from an address that is not in its `sources`; it is ignored"
-                self._warnings.warn("wrong source of a link message", text)
-                return None
+            destination = self._destination(end)
+            is_new = sender is None
             if sender is None:
-                sender = self._senders[message.session] = self._new_sender(message.session, now)
+                sender = self._senders[principal, message.session] = _Sender(end)
+                self._asked.add(destination)
+                self._due[destination] = min(self._due[destination], self._told[destination] + link_message.PERIOD_S)
             sender.heard, sender.hashes = now, hashes
             if end != sender.end:  # the first rows of a sender may fit another end, whose datagrams are others
                 sender.end, sender.statistics = end, LinkStatistics()
-            writer = self._writers[self._destination(end)]
-            if is_new:
-                self._asked.add(self._destination(end))
-                self._due[self._destination(end)] = now
+            writer = self._writers[destination]
             duplicate = sender.statistics.is_duplicate(message)
             received = self._received_from(end)
             sender.statistics.take(message, arrived_us, received, writer.sent_before(message.echo_us))
@@ -234,26 +237,11 @@ class LinkExchange:
                 writer.note_heard(message, arrived_us, received)
                 self._received_links[end] += 1
             self._retire(end, now)
-            self._warn(sender, end)
+            self._warn(sender)
             self._apply()
         if is_new:
             self.wake()
-        names = {self._registry.by_number[number].route.name for number in told}
-        return None if names.isdisjoint(self._own[end]) else end
-
-    def _new_sender(self, session: int, now: float) -> _Sender:
-        if len(self._senders) >= _MOST_SENDERS:
-            del self._senders[min(self._senders, key=lambda sender: self._senders[sender].heard)]
-        return _Sender(session, now)
-
-    def _end_of(self, numbers: Collection[int]) -> EndName | None:
-        """Return the end that has all the rows ``numbers``; None if there is none."""
-        if not numbers:
-            return None
-        rows = {self._registry.by_number[number].route.name for number in numbers}
-        # `max` returns the first of several ends; boards stand before their peer.
-        fitting = [end for end, spoken in self._spoken.items() if rows <= spoken]
-        return max(fitting, key=lambda end: len(rows & self._own[end]), default=None)
+        return end
 
     def _destination(self, end: EndName) -> EndName:
         """Return the end to which the bridge sends what concerns an end: boards may share the address of their peer."""
@@ -265,11 +253,12 @@ class LinkExchange:
         return sum(self._received[row] for row in self._own[end]) + self._received_links[end]
 
     def _retire(self, end: EndName, now: float) -> None:
-        """Forget the silent senders of an end at which another sender speaks."""
-        for sender in self._of_end(end):
-            if sender.heard < now - _SILENT_S:
-                del self._senders[sender.session]
-                self._restarts[end] += 1
+        """Forget the silent senders of an end at which another sender speaks, and those that are too many."""
+        senders = self._of_end(end)
+        silent = [sender for sender in senders if sender.heard < now - _SILENT_S]
+        self._restarts[end] += len(silent)
+        gone = [*silent, *senders[_MOST_SENDERS:]]
+        self._senders = {key: sender for key, sender in self._senders.items() if sender not in gone}
 
     def _of_end(self, end: EndName) -> list[_Sender]:
         """Return the senders of an end, the one that was heard last first."""
@@ -288,7 +277,7 @@ class LinkExchange:
                 numbers[str(sender.end)] |= differing
         return {end: [self._registry.by_number[n].route.name for n in sorted(found)] for end, found in numbers.items()}
 
-    def _warn(self, sender: _Sender, end: EndName) -> None:
+    def _warn(self, sender: _Sender) -> None:
         """Log a warning about the rows that differ, once for each row and start of the sender."""
         new = sorted(self._differing(sender) - sender.warned)
         if not new:
@@ -296,7 +285,8 @@ class LinkExchange:
         sender.warned |= {*new}
         rows = ", ".join(f"{self._registry.by_number[number].route.name} ({number})" for number in new)
         done = "refused" if self._policy == "refuse" else "passed on; values may be misread (parameter link_policy)"
-        self._warnings.warn(f"schema {end} {rows}", f"{end} has another schema of {rows}: messages are {done}")
+        text = f"{sender.end} has another schema of {rows}: messages are {done}"
+        self._warnings.warn(f"schema {sender.end} {rows}", text)
 
     def _apply(self) -> None:
         """Refuse the rows that differ, if the policy says so."""
@@ -304,11 +294,10 @@ class LinkExchange:
         rows: set[str] = set()
         forwards: dict[EndName, frozenset[str]] = {}
         for sender in self._senders.values() if self._policy == "refuse" else ():
-            if sender.end is not None:
-                names = {self._registry.by_number[number].route.name for number in self._differing(sender)}
-                rows |= names & self._own[sender.end]
-                end = self._destination(sender.end)
-                forwards[end] = forwards.get(end, frozenset()) | (names - self._own[sender.end])
+            names = {self._registry.by_number[number].route.name for number in self._differing(sender)}
+            rows |= names & self._own[sender.end]
+            end = self._destination(sender.end)
+            forwards[end] = forwards.get(end, frozenset()) | (names - self._own[sender.end])
         refused = frozenset(rows), {end: names for end, names in forwards.items() if names}
         if refused != self._refused:
             self._refused = refused
@@ -324,7 +313,7 @@ class LinkExchange:
         with self._lock:
             now, wall_us = time.monotonic(), time.time_ns() // 1000
             reports = []
-            whole = {sender.end for sender in self._senders.values() if sender.end and not sender.end.board}
+            whole = {sender.end for sender in self._senders.values() if not sender.end.board}
             for end in self._own:
                 if end in whole or (EndName(end.peer) not in whole and (end.board or not self._has_boards(end.peer))):
                     reports.append(self._report(end, now, self._now_us() - wall_us))
@@ -336,7 +325,7 @@ class LinkExchange:
     def _report(self, end: EndName, now: float, ahead_us: int) -> EndReport:
         """Return the result for an end; ``ahead_us`` is the own clock of link messages minus the system's clock."""
         senders = self._of_end(end)
-        rows = {self._registry.by_name[name].route.number: name for name in sorted(self._spoken[end])}
+        rows = {self._registry.by_name[name].route.number: name for name in sorted(self._rows.spoken[end])}
         said = {number for sender in senders for number in sender.hashes}
         differing = {number for sender in senders for number in self._differing(sender)}
         untold = [name for number, name in rows.items() if number not in said and name in self._own[end]]
@@ -364,15 +353,3 @@ class LinkExchange:
 
 def _seconds(microseconds: float | None) -> float | None:
     return None if microseconds is None else microseconds / 1e6
-
-
-def _own_rows(registry: Registry) -> dict[EndName, set[str]]:
-    """Return the names of the rows that each end sends or receives. A peer with boards comes after its boards."""
-    boards: dict[EndName, set[str]] = {end: set() for end in registry.ends if end.board}
-    peers: dict[EndName, set[str]] = {EndName(peer.name): set() for peer in registry.peers}
-    for handler in registry.handlers:
-        route = handler.route
-        peers[EndName(route.peer)].add(route.name)
-        if route.board:
-            boards.setdefault(EndName(route.peer, route.board), set()).add(route.name)
-    return boards | peers

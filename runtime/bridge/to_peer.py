@@ -58,6 +58,7 @@ class OutboundRow:
         The stop is sent all the same: it is safer than silence, and most stops are empty, which means the same in every
         schema.
         """
+        self._ended = False
 
     @property
     def is_timed(self) -> bool:
@@ -80,6 +81,9 @@ class OutboundRow:
         """
         with self._lock:
             self._account.taken[self.name] += len(messages)
+            if self._ended:
+                self._account.superseded[self.name] += len(messages)
+                return
             if self._pacer is not None:
                 messages, superseded = self._pacer.offer(messages, time.monotonic())
                 self._account.superseded[self.name] += superseded
@@ -116,7 +120,8 @@ class OutboundRow:
             if message is not None:
                 self._pass_on([message])
             return
-        # A command that waits must not go out: the stop has to be the last word.
+        # A command that waits must not go out, nor one of a thread that hung: the stop has to be the last word.
+        self._ended = True
         self._account.superseded[self.name] += message is not None
         for _ in range(_STOP_COPIES):
             self._account.stops[self.name] += self._send([self._stop])

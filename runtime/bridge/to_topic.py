@@ -11,7 +11,7 @@ from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.pacing import Pacer
 from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.core.handler import Route
-from roverlink.runtime.middleware import Publisher
+from roverlink.runtime.middleware import NOT_ACCEPTED, Publisher
 
 Drop = Callable[[DatagramError], None]
 
@@ -28,7 +28,7 @@ class InboundRow:
         self._account.published[self._route.name] += accepted
         for _ in messages[accepted:]:
             what = f"{self._route.name} ({self._route.number})"
-            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{what}: a subscriber is too slow", self._route.name))
+            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{what}: {NOT_ACCEPTED}", self._route.name))
 
 
 class PacedInboundRow(InboundRow):

@@ -26,6 +26,18 @@ class MiddlewareError(RoverlinkError):
     """Error of a ROS 2 middleware, or a middleware that is not installed."""
 
 
+class FailedThreadError(RoverlinkError):
+    """Error that ended a thread of the program. The program ends, because it must not go on half alive."""
+
+    def __init__(self, thread: str, failure: BaseException) -> None:
+        """Create the error; ``thread`` is the name of the thread, and ``failure`` what it raised."""
+        reason = str(failure)
+        if not isinstance(failure, RoverlinkError):
+            reason = f"{type(failure).__name__}: {reason} (ROVERLINK_DEBUG=1 shows where)"
+        super().__init__(f"the program ends because its thread {thread} failed: {' '.join(reason.split())}")
+        self.__cause__ = failure
+
+
 class ConversionError(RoverlinkError):
     """Value that does not fit the type to which it is converted.
 
@@ -54,7 +66,7 @@ class Reason(str, Enum):
     CONVERSION = "conversion"
     """A value of the payload does not fit the ROS 2 message."""
     NOT_PUBLISHED = "not_published"
-    """The middleware did not accept the message, because a subscriber is too slow."""
+    """The middleware did not accept the message: a subscriber is too slow, or ROS 2 cannot publish it."""
     SUPERSEDED = "superseded"
     """A newer message replaced the message while it waited (table key ``max_rate``)."""
     UNKNOWN_SOURCE = "unknown_source"
@@ -78,11 +90,26 @@ class Reason(str, Enum):
     OUTDATED = "outdated"
     """A newer signed datagram of the same sender was accepted before."""
     AHEAD = "ahead"
-    """The timestamp of the signature is more than ten years ahead."""
+    """The timestamp of the signature is more than ten years ahead of the computer's clock."""
     OTHER_SCHEMA = "other_schema"
     """The peer has another schema of the payload than the bridge (parameter ``link_policy``)."""
     STOPPED = "stopped"
     """The bridge stopped before it could handle the datagram."""
+
+
+NOT_PROVEN = frozenset(
+    {
+        Reason.UNSIGNED,
+        Reason.MALFORMED_SIGNATURE,
+        Reason.UNKNOWN_KEY,
+        Reason.WRONG_SIGNATURE,
+        Reason.WRONG_KEY,
+        Reason.REPLAYED,
+        Reason.OUTDATED,
+        Reason.AHEAD,
+    }
+)
+"""Reasons of datagrams that anybody may have sent, so that they say nothing about the peer of their row."""
 
 
 class DatagramError(RoverlinkError):

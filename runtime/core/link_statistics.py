@@ -102,6 +102,19 @@ class LinkStatistics:
         """Sender's clock minus the own one; None if no exchange was complete."""
         return min(self._samples).offset_us if self._samples else None
 
+    def __repr__(self) -> str:
+        figures = {
+            "messages": self.messages,
+            "lost_inbound": self.inbound.lost,
+            "lost_outbound": self.outbound.lost,
+            "duplicates": self.duplicates,
+            "reordered": self.reordered,
+            "jitter_us": None if self.jitter_us is None else round(self.jitter_us),
+            "round_trip_us": self.round_trip_us,
+            "clock_offset_us": self.clock_offset_us,
+        }
+        return f"{type(self).__name__}({', '.join(f'{name}={value}' for name, value in figures.items())})"
+
     def is_duplicate(self, message: LinkMessage) -> bool:
         """Return true if the message has arrived before."""
         return bool(self.messages) and (

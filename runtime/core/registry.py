@@ -115,6 +115,9 @@ class Registry:
     """Field number of the signature in the envelope; None if the envelope has none."""
     link: Link | None = None
     """Link message; None if the table has none."""
+    sources: Mapping[str, str] = field(default_factory=dict)
+    """Digest of the table and of each .proto file from which the code was generated, by the path relative to the table.
+    """
 
     @cached_property
     def by_number(self) -> dict[int, AnyHandler]:

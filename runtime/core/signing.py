@@ -13,7 +13,9 @@ of signatures still parses the envelope. Rules of the format:
 - If a datagram has several signature fields, the last one counts. Its MAC covers the others.
 
 A timestamp may be years ahead of our clock: after a start without a clock, ours is the one that is wrong. Instead, a
-sender that is behind continues from the latest timestamp that it verified (`SigningClock.hear`), as in MAVLink 2.
+sender that is behind continues from the latest timestamp that it verified (`SigningClock.hear`), as in MAVLink 2. Each
+link has a clock of its own, so that an end sets only the clock of its own link. No end sets it more than ten years
+ahead of the computer's clock.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ import hashlib
 import hmac
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -39,8 +42,10 @@ _TICK_NS = 10**9 // TICKS_PER_SECOND
 _LARGEST = 2**48 - 1  # in the year 2104
 MAC_BYTES = 8
 SIGNATURE_BYTES = 15
-# A sender that is further ahead has a broken clock. If it were believed, all others would have to follow it for ever.
+# A sender that is further ahead has a broken clock. If it were believed, the other end would follow it for ever.
 _FURTHEST_AHEAD = 10 * 365 * 24 * 3600 * TICKS_PER_SECOND
+NOTABLY_AHEAD = 60 * TICKS_PER_SECOND
+"""Advance of a timestamp on the computer's clock above which one of the two is wrong."""
 
 
 def ticks(nanoseconds: int) -> int:
@@ -61,10 +66,10 @@ class Key:
 
 
 class SigningClock:
-    """Clock of the timestamps of a program. Each one is larger than all before. Thread-safe.
+    """Clock of the timestamps of a program on one link. Each one is larger than all before. Thread-safe.
 
     It follows the computer's clock, but never goes back: it continues from the latest time that it knows. This may be
-    the time of the last run, or that of another sender.
+    the time of the last run, or that of the other end.
     """
 
     def __init__(
@@ -72,12 +77,17 @@ class SigningClock:
         earliest: int = 0,
         wall: Callable[[], int] = time.time_ns,
         steady: Callable[[], int] = time.monotonic_ns,
+        made: int = 0,
     ) -> None:
-        """Start after the timestamp ``earliest``. ``wall`` and ``steady`` return nanoseconds."""
-        self._wall, self._steady = wall, steady
+        """Start after the timestamp ``earliest``. ``wall`` and ``steady`` return nanoseconds.
+
+        ``made`` is the timestamp at which the link's keys were made: it is later now, whatever the computer's clock
+        says.
+        """
+        self._wall, self._steady, self._made = wall, steady, made
         self._lock = threading.Lock()
         self.last = max(earliest, ticks(wall()))
-        """The latest timestamp that was used, or heard of another sender."""
+        """The latest timestamp that was used, or heard of the other end."""
         self._offset = self.last - steady() // _TICK_NS
 
     def next(self) -> int:
@@ -90,8 +100,13 @@ class SigningClock:
             self.last = min(max(self.last + 1, steady + self._offset), _LARGEST)
             return self.last
 
+    def ahead(self, timestamp: int) -> int:
+        """Return how far a timestamp is ahead of the computer's clock; 0 if the computer does not know the time."""
+        present = max(ticks(self._wall()), self._made)
+        return timestamp - present if present else 0
+
     def hear(self, timestamp: int) -> None:
-        """Continue from a verified timestamp of another sender if it is later."""
+        """Continue from a verified timestamp of the other end if it is later."""
         with self._lock:
             if timestamp > self.last:
                 self.last = timestamp
@@ -124,27 +139,33 @@ class _Stream:
     keyed: hashlib.blake2s
     last: int
     """Latest timestamp that was accepted."""
+    clock: SigningClock
+    plausible: int = 0
+    """Latest timestamp that needs no look at the computer's clock, because looking takes time."""
 
 
 class Verifier:
     """Verifier of signed datagrams. To be used from one thread; `lasts` may be called from any."""
 
-    def __init__(self, number: int, keys: Iterable[tuple[Key, int]], clock: SigningClock) -> None:
+    def __init__(self, number: int, keys: Iterable[tuple[Key, int, SigningClock]]) -> None:
         """Accept the given keys, each only with timestamps larger than the one beside it.
 
-        ``number`` is the field number of the envelope's signature. ``clock`` hears the timestamps that are accepted.
+        ``number`` is the field number of the envelope's signature. The clock beside a key is that of its link: it hears
+        the timestamps that are accepted.
         """
-        self._number, self._clock = number, clock
+        self._number = number
         self._start = _field_start(number)
         self._size = len(self._start) + SIGNATURE_BYTES
-        self._streams = {key.id: _Stream(key.sender, _keyed(key), last) for key, last in keys}
+        self._streams = {key.id: _Stream(key.sender, _keyed(key), last, clock) for key, last, clock in keys}
+        self.ahead: Counter[str] = Counter()
+        """Accepted datagrams that were more than a minute ahead of the computer's clock, by their signer."""
 
     def lasts(self) -> Mapping[int, int]:
         """Return the latest accepted timestamp of each key, by the key's id."""
         return {id: stream.last for id, stream in self._streams.items()}
 
-    def verify(self, datagram: bytes, senders: Collection[str], row: str = "") -> None:
-        """Accept a datagram that one of ``senders`` has signed, and that is newer than all before.
+    def verify(self, datagram: bytes, senders: Collection[str], row: str = "") -> str:
+        """Return which of ``senders`` has signed a datagram that is newer than all before of its key.
 
         Zeros at the end may have been stripped or appended. Raises `DatagramError` with the reason if the datagram is
         refused; ``row`` is the name of the payload's row for the error.
@@ -166,12 +187,23 @@ class Verifier:
         timestamp = int.from_bytes(datagram[-14:-MAC_BYTES], "little")
         if timestamp <= stream.last:
             raise _not_newer(timestamp, stream, row)
-        if timestamp > self._clock.last:
-            if 0 < self._clock.last < timestamp - _FURTHEST_AHEAD:  # 0: we know no time, and believe any
-                message = f"the clock of {stream.sender!r} is more than ten years ahead; set its clock"
-                raise DatagramError(Reason.AHEAD, message, row)
-            self._clock.hear(timestamp)
+        if timestamp > stream.plausible:
+            self._check_clock(stream, timestamp, row)
+        if timestamp > stream.clock.last:
+            stream.clock.hear(timestamp)
         stream.last = timestamp
+        return stream.sender
+
+    def _check_clock(self, stream: _Stream, timestamp: int, row: str) -> None:
+        """Count a timestamp that is ahead of the computer's clock. Raises `DatagramError` if it is too far ahead."""
+        ahead = stream.clock.ahead(timestamp)
+        if ahead > _FURTHEST_AHEAD:
+            message = f"the clock of {stream.sender!r} is more than ten years ahead of this computer's; set its clock"
+            raise DatagramError(Reason.AHEAD, message, row)
+        if ahead > NOTABLY_AHEAD:
+            self.ahead[stream.sender] += 1
+        else:
+            stream.plausible = timestamp - ahead + NOTABLY_AHEAD
 
     def _authentic(self, datagram: bytes) -> _Stream | DatagramError:
         """Return the stream of the key that has signed these bytes, or the error if there is none."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from google.protobuf.message import DecodeError
 from roverlink.runtime.core import envelope, link_message
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
 from roverlink.runtime.core.handler import UNSTAMPED, all_to_cdr
+from roverlink.runtime.core.principals import Principal, Speakers
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
 from roverlink.runtime.core.signing import Verifier
 from roverlink.runtime.interfaces import Time
@@ -37,8 +39,8 @@ class Translation:
     """Error of each refused datagram."""
     restored: dict[bytes, bytes] = field(default_factory=dict)
     """Envelope in each datagram that had appended or stripped zeros, by the datagram."""
-    links: Sequence[ProtoMessage] = ()
-    """Link messages in the batch, in order. Each has the name ``link`` in `names`."""
+    links: Sequence[tuple[Principal, ProtoMessage]] = ()
+    """Link messages in the batch, in order, each with its sender. Each has the name ``link`` in `names`."""
 
 
 class Translator:
@@ -61,6 +63,7 @@ class Translator:
             name: tuple(f for f in registry.extra_topics if f.route.name == name) for name in self._inbound
         }
         self._link = "" if registry.link is None else link_message.NAME
+        self._speakers = Speakers(registry, peers)
         self.refuse(frozenset())
 
     def refuse(self, rows: frozenset[str]) -> None:
@@ -69,7 +72,7 @@ class Translator:
         ``rows`` are the names of all rows to refuse. Safe to call from any thread.
         """
         self._refused = rows
-        self._accepted = frozenset(filter(None, [*self._inbound, self._link])) - rows
+        self._accepted = self._inbound.keys() - rows
 
     def receive(self, datagram: bytes, stamp: Time = UNSTAMPED) -> tuple[str, bytes]:
         """Return the payload name of a peer's datagram, and its serialized ROS 2 message.
@@ -107,12 +110,12 @@ class Translator:
                 translation.extra_topics += [(handler, run) for handler in self._extra_topics[name]]
         return translation
 
-    def _sort(self, datagrams: Sequence[bytes], translation: Translation) -> dict[str, list[ProtoMessage]]:
-        """Parse datagrams and return their payloads, grouped by payload name.
+    def _sort(self, datagrams: Sequence[bytes], translation: Translation) -> dict[str, list[Any]]:
+        """Parse datagrams and return their payloads, grouped by payload name. A link message comes with its sender.
 
         The name of each datagram and the errors of refused ones are added to ``translation``.
         """
-        payloads: defaultdict[str, list[ProtoMessage]] = defaultdict(list)
+        payloads: defaultdict[str, list[Any]] = defaultdict(list)
         names = translation.names
         for datagram in datagrams:
             try:
@@ -125,10 +128,11 @@ class Translator:
                 names.append(name)
         return payloads
 
-    def _parsed(self, datagram: bytes, restored: dict[bytes, bytes]) -> tuple[str, ProtoMessage]:
+    def _parsed(self, datagram: bytes, restored: dict[bytes, bytes]) -> tuple[str, Any]:
         """Return name and payload of a datagram. Raises `DatagramError` if the table does not bridge the payload.
 
-        If trailing zeros were stripped or appended, the envelope is added to ``restored``.
+        The payload of a link message is a pair of its sender and the message. If trailing zeros were stripped or
+        appended, the envelope is added to ``restored``.
         """
         try:
             message = self._parse(datagram)
@@ -136,9 +140,26 @@ class Translator:
             restored[datagram] = envelope.restore(datagram)
             message = self._parse_restored(datagram, restored[datagram])
         name = self._which(message, self._oneof)  # the class's method: a field could have the same name
-        if name not in self._accepted:
+        if name in self._accepted:
+            return name, getattr(message, name)
+        if name is None or name != self._link:
             raise self._refusal(name, datagram)
-        return name, getattr(message, name)
+        link: Any = getattr(message, name)
+        handlers = self._registry.by_number
+        listed = {handlers[number].route.name for number in link.numbers if number in handlers}
+        return name, (self._principal(datagram, listed), link)
+
+    def _principal(self, datagram: bytes, rows: AbstractSet[str]) -> Principal:  # noqa: ARG002  # a subclass reads it
+        """Return who has sent a link message with some rows. Raises `DatagramError` if the rows are those of others."""
+        principal = self._speakers.unsigned
+        if self.peers is not None and not self._speakers.may_speak(principal, rows):
+            raise self._rows_of_others()
+        return principal
+
+    def _rows_of_others(self) -> DatagramError:
+        speakers = ", ".join(sorted(self.peers or ()))
+        message = f"a link message with rows of other peers has come from an address of {speakers}"
+        return DatagramError(Reason.WRONG_SOURCE, message)
 
     def _refuse(self, name: str, misfits: Mapping[int, ConversionError], translation: Translation) -> None:
         """Add the errors of payloads that cannot be converted to ``translation``.
@@ -256,27 +277,34 @@ class VerifyingTranslator(Translator):
         super().__init__(registry, peers)
         self._verifier = verifier
         must_sign = {peer.name for peer in registry.peers if peer.must_sign}
-        routes = {name: handler.route for name, handler in self._inbound.items() if handler.route.peer in must_sign}
-        self._senders = {name: frozenset((route.peer, route.board)) for name, route in routes.items()}
-        all_routes = [handler.route for handler in registry.handlers if handler.route.peer in must_sign]
-        self._ends_of = {route.name: frozenset((route.peer, route.board)) for route in all_routes}
-        self._some_need_not_sign = len(must_sign) < len(registry.peers)
+        routes = [handler.route for handler in registry.handlers if handler.route.peer in must_sign]
+        self._senders = {route.name: frozenset((route.peer, route.board)) for route in routes}
+        self._speakers = Speakers(registry, peers, must_sign)
 
-    def _parsed(self, datagram: bytes, restored: dict[bytes, bytes]) -> tuple[str, ProtoMessage]:
-        name, payload = super()._parsed(datagram, restored)
-        senders = self._speakers(payload) if name == self._link else self._senders.get(name)
+    def _parsed(self, datagram: bytes, restored: dict[bytes, bytes]) -> tuple[str, Any]:
         # After parsing, because only the payload tells whose signature is needed: no address can be trusted.
-        if senders is not None:
-            self._verifier.verify(datagram, senders, name)
+        try:
+            name, payload = super()._parsed(datagram, restored)
+        except DatagramError as refusal:
+            if refusal.row in self._senders:  # such a refusal counts as a datagram of the peer: it must be the peer's
+                self._verifier.verify(datagram, self._senders[refusal.row], refusal.row)
+            raise
+        if name in self._senders:
+            self._verifier.verify(datagram, self._senders[name], name)
         return name, payload
 
-    def _speakers(self, link: Any) -> frozenset[str] | None:
-        """Return whose signature a link message must have: that of a peer that must sign, if it lists rows of it.
-
-        A link message without rows must be signed if all peers must sign.
-        """
-        listed = [handler.route.name for number in link.numbers if (handler := self._registry.by_number.get(number))]
-        names = self._ends_of.keys() & listed if listed else self._ends_of.keys()
-        if not names or (not listed and self._some_need_not_sign):
-            return None
-        return frozenset().union(*(self._ends_of[name] for name in names))
+    def _principal(self, datagram: bytes, rows: AbstractSet[str]) -> Principal:
+        try:
+            principal = self._speakers.signed[self._verifier.verify(datagram, self._speakers.signed)]
+        except DatagramError as error:
+            # A peer that need not sign may sign all the same, with a key that we do not have.
+            proves_nothing = error.reason in (Reason.UNSIGNED, Reason.UNKNOWN_KEY)
+            if proves_nothing and self._speakers.may_speak(self._speakers.unsigned, rows):
+                return self._speakers.unsigned
+            raise
+        if self._speakers.may_speak(principal, rows):
+            return principal
+        if not principal.ends:
+            raise self._rows_of_others()
+        signer = principal.signer
+        raise DatagramError(Reason.WRONG_KEY, f"the key of {signer} has signed a link message with rows of others")

@@ -19,8 +19,12 @@ class Time(Message):
 
     @classmethod
     def since_1970(cls, nanoseconds: int) -> Time:
-        """Return the time that is a number of nanoseconds after the start of 1970."""
-        return cls(*divmod(nanoseconds, 1_000_000_000))
+        """Return the time that is a number of nanoseconds after the start of 1970, for the stamp of a message.
+
+        The seconds of ROS 2 end in 2038. A later time, such as that of a clock that is set wrong, is the last second.
+        """
+        seconds, rest = divmod(nanoseconds, 1_000_000_000)
+        return cls(max(-(2**31), min(seconds, 2**31 - 1)), rest)
 
 
 @dataclass(slots=True)

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 
+from roverlink import bounded_files
 from roverlink.runtime.atomic_files import replacing
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.signing import KEY_BYTES, Key, ticks
@@ -131,7 +132,7 @@ def add_keys(path: Path, end: str, now: datetime) -> tuple[FileKey, ...]:
     keys = _new_keys(path, end, now, send_with=False)
     try:
         with replacing(path) as part:
-            create_private(part, path.read_text(encoding="utf-8") + _text(keys, now))
+            create_private(part, bounded_files.read_text(path) + _text(keys, now))
     except OSError as error:
         raise SetupError(f"{path}: cannot write the key file: {error.strerror}") from error
     return keys
@@ -140,7 +141,8 @@ def add_keys(path: Path, end: str, now: datetime) -> tuple[FileKey, ...]:
 def _new_keys(path: Path, end: str, now: datetime, *, send_with: bool) -> tuple[FileKey, ...]:
     if now.year < _EARLIEST_YEAR:
         raise SetupError(f"the clock of this computer says {now:%Y-%m-%d}; set it first, because keys carry their time")
-    taken = {int(id) for file in _key_files(path) for id in _SECTION.findall(file.read_text(errors="replace"))}
+    texts = [bounded_files.read(file, _LARGEST_FILE).decode(errors="replace") for file in _key_files(path)]
+    taken = {int(id) for text in texts for id in _SECTION.findall(text)}
     free = [id for id in range(1, 256) if id not in taken]
     if len(free) < 2:
         raise SetupError(f"the key files in {path.resolve().parent} have no free key ids; remove old keys")

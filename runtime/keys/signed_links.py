@@ -1,4 +1,4 @@
-"""Signatures of one program: the keys of its links, its clock, and the timestamps that it stores.
+"""Signatures of one program: the keys and the clock of each of its links, and the timestamps that it stores.
 
 The timestamps are stored beside the key file, in ``FILE.NAME.timestamps`` for the program NAME. These rules hold at
 the start of a program:
@@ -7,19 +7,22 @@ the start of a program:
   accepted, whatever the computer's clock says, and a peer is refused for at most a second.
 - A key without a stored timestamp (the first start, or the file is lost or damaged) accepts nothing that is older than
   the key, or more than a minute older than the computer's clock. This is the rule of MAVLink 2 for new streams.
-- The own datagrams go on after the latest of all these timestamps.
+- The own datagrams go on after the latest of these timestamps of their link.
+
+A link whose clock is ahead of the computer's is reported once: it stays so, also after a restart.
 """
 
 from __future__ import annotations
 
 import logging
-import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from datetime import timedelta
 from pathlib import Path
 
 from roverlink.runtime.core.errors import SetupError, nearest
-from roverlink.runtime.core.signing import TICKS_PER_SECOND, Signer, SigningClock, Verifier, ticks
+from roverlink.runtime.core.periodic_thread import PeriodicThread
+from roverlink.runtime.core.signing import NOTABLY_AHEAD, TICKS_PER_SECOND, Signer, SigningClock, Verifier, ticks
 from roverlink.runtime.keys.key_file import BRIDGE, FileKey, read_keys
 from roverlink.runtime.keys.stored_timestamps import read_timestamps, write_timestamps
 
@@ -55,19 +58,29 @@ class SignedLinks:
             for path, keys in self._files.items()
             for file_key in keys
         }
-        self.clock = SigningClock(max(self._starts.values(), default=0), wall, steady)
-        received = [
-            (file_key.key, self._starts[file_key.key.id]) for file_key in self._keys if file_key.receiver == own
-        ]
-        self.verifier = Verifier(number, received, self.clock)
-        sent = [file_key for file_key in self._keys if file_key.key.sender == own]
-        self._sent = [file_key.key.id for file_key in sent]
-        self._signers = {
-            file_key.receiver: Signer(number, file_key.key, self.clock) for file_key in sent if file_key.send_with
+        self.clocks: Mapping[str, SigningClock] = {
+            end: self._clock([file_key for file_key in self._keys if file_key.end == end], wall, steady)
+            for end in dict.fromkeys(file_key.end for file_key in self._keys)
         }
+        """Clock of each link, by the peer or board at the end of it that is not the bridge."""
+        self.verifier = Verifier(
+            number,
+            [
+                (file_key.key, self._starts[file_key.key.id], self.clocks[file_key.end])
+                for file_key in self._keys
+                if file_key.receiver == own
+            ],
+        )
+        self._sent = [file_key for file_key in self._keys if file_key.key.sender == own]
+        self._signers = {
+            file_key.receiver: Signer(number, file_key.key, self.clocks[file_key.end])
+            for file_key in self._sent
+            if file_key.send_with
+        }
+        self._warned_ahead: set[str] = set()
+        self._warn_of_clocks()
         self._failing = False
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="signing-timestamps", daemon=True)
+        self._thread = PeriodicThread("signing-timestamps", _INTERVAL_S, self._keep, logger)
         for path, timestamps in self._stored.items():
             try:
                 write_timestamps(path, timestamps)  # what cannot be stored is better known now
@@ -92,18 +105,34 @@ class SignedLinks:
                 raise SetupError(f"{what}; {nearest(file_key.end, ends)}")
 
     def __enter__(self) -> SignedLinks:
-        self._thread.start()
+        self._thread.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._ending.set()
-        self._thread.join()
+        self._thread.__exit__()
+        self._keep()  # the last timestamps
 
-    def _run(self) -> None:
-        ends = False
-        while not ends:
-            ends = self._ending.wait(_INTERVAL_S)  # then once more, for the last timestamps
-            self._store_all()
+    def _keep(self) -> None:
+        self._store_all()
+        self._warn_of_clocks()
+
+    def _warn_of_clocks(self) -> None:
+        """Log the links whose clock is ahead of the computer's, each once."""
+        for end, clock in self.clocks.items():
+            ahead = clock.ahead(clock.last)
+            if ahead > NOTABLY_AHEAD and end not in self._warned_ahead:
+                self._warned_ahead.add(end)
+                self._logger.warning(
+                    "the timestamps of the link with %r are %s ahead of this computer's clock, and stay so: the clock "
+                    "of one of its ends is or was wrong; if that cannot be, somebody else has its keys: make new ones",
+                    end,
+                    timedelta(seconds=ahead // TICKS_PER_SECOND),
+                )
+
+    def _clock(self, keys: Sequence[FileKey], wall: Callable[[], int], steady: Callable[[], int]) -> SigningClock:
+        """Return the clock of the link that has these keys."""
+        earliest = max(self._starts[file_key.key.id] for file_key in keys)
+        return SigningClock(earliest, wall, steady, max(file_key.made for file_key in keys))
 
     def _store_all(self) -> None:
         """Store the timestamps; log the first failure, and go on: a full disk must not stop the rover's commands."""
@@ -122,7 +151,10 @@ class SignedLinks:
 
         Otherwise each restart would add its second, and many restarts would refuse a peer without a clock.
         """
-        now = {**self.verifier.lasts(), **dict.fromkeys(self._sent, self.clock.last)}
+        now = {
+            **self.verifier.lasts(),
+            **{file_key.key.id: self.clocks[file_key.end].last for file_key in self._sent},
+        }
         used = {id: last for id, last in now.items() if last > self._starts[id]}
         of_file = {file_key.key.id: used[file_key.key.id] for file_key in self._files[path] if file_key.key.id in used}
         timestamps = {**self._stored[path], **of_file}

@@ -10,6 +10,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from roverlink.bounded_files import read_text
 from roverlink.runtime.atomic_files import replacing
 
 _HEADER = "# The latest timestamp of each key. roverlink writes this file; if it is lost, see docs/security.md.\n"
@@ -19,10 +20,10 @@ _END = "end"
 def read_timestamps(path: Path) -> dict[int, int] | None:
     """Return the stored timestamps by key id; an empty dict if there is no file; None if the file is damaged."""
     try:
-        *lines, last = path.read_text(encoding="ascii").splitlines()[1:] or [""]
+        *lines, last = read_text(path).splitlines()[1:] or [""]
     except FileNotFoundError:
         return {}
-    except (OSError, UnicodeDecodeError):
+    except OSError:
         return None
     try:
         found = {int(id): int(timestamp) for id, timestamp in map(str.split, lines)}

@@ -10,6 +10,7 @@ import platform
 
 from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.middleware.protocol import (
+    NOT_ACCEPTED,
     Callback,
     Endpoint,
     Middleware,
@@ -21,6 +22,7 @@ from roverlink.runtime.middleware.protocol import (
 
 __all__ = [
     "NAMES",
+    "NOT_ACCEPTED",
     "Callback",
     "Endpoint",
     "Middleware",

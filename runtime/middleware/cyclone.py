@@ -80,22 +80,19 @@ class RawWriter:
     def __init__(self, writer: DataWriter[Any]) -> None:
         self._writer = writer  # deletes itself without a reference
         self._reference = writer._ref
-        self._topic = writer.topic.name
 
     def write(self, samples: Sequence[bytes]) -> int:
         """Write samples and send them at once; return how many were accepted.
 
         If the queue of a reliable writer is full, the remaining samples are not accepted, because the writer would have
-        to wait. Raises `MiddlewareError` if Cyclone DDS reports an error.
+        to wait. The same holds if Cyclone DDS reports an error.
         """
         accepted = 0
         whole = [sample + _PADDING[len(sample) % _WORD] for sample in samples]
         for code in map(ddspy_write, repeat(self._reference), whole):
             # max_blocking_time is 0 (`dds_qos`), so a full queue of a reliable writer returns at once with a timeout.
-            if code == DDSException.DDS_RETCODE_TIMEOUT:
-                break
             if code < 0:
-                raise MiddlewareError(f"Cyclone DDS cannot write on {self._topic}: {DDSException(code)}")
+                break
             accepted += 1
         # One packet and one wake-up of the subscriber for the whole batch, see "Batching" above.
         _flush(self._reference)

@@ -43,9 +43,11 @@ from roverlink.runtime.middleware.dds_graph import DdsGraph
 from roverlink.runtime.middleware.dds_services import DdsServices
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
+from roverlink.runtime.middleware.joined_addresses import JoinedAddresses, is_local
 from roverlink.runtime.middleware.parameter_services import ParameterServices
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
-from roverlink.runtime.middleware.serving import ServedTopic, serve
+from roverlink.runtime.middleware.ros_domain import ros_domain
+from roverlink.runtime.middleware.serving import ServedTopic, has_ended, serve
 
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
@@ -64,7 +66,6 @@ _WITHOUT_FAST_TYPES = (
     "<CycloneDDS><Domain><Compatibility><IgnoreTypeInformation>1.15</IgnoreTypeInformation></Compatibility></Domain>"
     "</CycloneDDS>"
 )
-_LARGEST_DOMAIN = 232  # ports are 7400 + 250 * domain and up (RTPS 2.2, 9.6.1); above 232 they exceed 65535
 _PARAMETER_EVENTS = Qos(depth=1000)  # rmw_qos_profile_parameter_events
 _LEAVE_S = 0.3  # time for subscribers to acknowledge the last messages
 
@@ -90,7 +91,7 @@ class DdsPublisher:
     def leave(self, seconds: float) -> None:
         """Wait until every subscriber has acknowledged all messages, at most ``seconds``.
 
-        Call it just before the node leaves the graph. If `publish` is called after that, it raises an error.
+        Call it just before the node leaves the graph. After that, `publish` accepts no message.
         """
         self._writes_always = True
         self._writer.wait_for_acknowledgement(seconds)
@@ -115,13 +116,14 @@ class DdsMiddleware(Middleware):
     """
 
     def __init__(self, node: NodeIdentity, parameters: NodeParameters | None = None) -> None:
-        domain_id = _domain_id()
+        domain_id = ros_domain()
         try:
             _configure(domain_id)
             # The user data that ROS 2 sets on its participants: the default security enclave.
             self._participant = DomainParticipant(domain_id, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
         except DDSException as error:
             raise MiddlewareError(f"Cyclone DDS cannot join domain {domain_id}: {error}") from error
+        self._joined_addresses = JoinedAddresses()
         self._announcer = GraphAnnouncer(self._participant, node)
         self._waitset = WaitSet(self._participant)
         self._stopped = GuardCondition(self._participant)
@@ -190,6 +192,10 @@ class DdsMiddleware(Middleware):
         """Return the topics with publishers that DDS has found so far, each with its message type."""
         return self._graph.topics()
 
+    def address_changes(self) -> str:
+        """Return a text about addresses that have changed since the node joined ROS 2; empty if none have."""
+        return self._joined_addresses.changes()
+
     def set_parameters(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of the own node."""
         if self._parameters is not None:
@@ -202,7 +208,8 @@ class DdsMiddleware(Middleware):
         self._open = False
         # The guard condition wakes the taking thread, which else waits without a limit.
         self._stopped.set(True)
-        self._thread.join()
+        if not has_ended(self._thread):
+            return
         if self._services is not None:
             self._services.close()
         # One deadline for all writers together: leaving must not take longer with more topics.
@@ -239,21 +246,11 @@ class DdsMiddleware(Middleware):
                 serve(self._topics, self._topics)
 
 
-def _domain_id() -> int:
-    text = os.environ.get("ROS_DOMAIN_ID", "") or "0"
-    if not text.isdecimal() or int(text) > _LARGEST_DOMAIN:
-        raise MiddlewareError(f"ROS_DOMAIN_ID is {text!r}; set it to a number from 0 to {_LARGEST_DOMAIN}")
-    return int(text)
-
-
 def _configure(domain_id: int) -> None:
     """Restrict DDS to this host if ROS 2's environment variables ask for it and CYCLONEDDS_URI is not set."""
-    # A user's own configuration has priority. ROS_LOCALHOST_ONLY is the variable up to Humble, the range is from Iron
-    # on.
+    # A user's own configuration has priority.
     users_own = os.environ.get("CYCLONEDDS_URI", "")
-    reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE")
-    local = os.environ.get("ROS_LOCALHOST_ONLY") == "1" or reach == "LOCALHOST"
-    _domain(domain_id, users_own or (_LOCALHOST_ONLY if local else ""))
+    _domain(domain_id, users_own or (_LOCALHOST_ONLY if is_local() else ""))
 
 
 @cache

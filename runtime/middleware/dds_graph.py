@@ -53,8 +53,13 @@ class DdsGraph:
         self._read_names()
         self._read_endpoints(publishing)
         return [
-            Endpoint(self._names.get(guid, ""), _qos(policies), () if publishing else tuple(_strict(policies)))
-            for guid, (name, _, policies) in self._found[publishing].items()
+            Endpoint(
+                self._names.get(guid, ""),
+                _qos(policies),
+                () if publishing else tuple(_strict(policies)),
+                ros_type_name(type_name),
+            )
+            for guid, (name, type_name, policies) in self._found[publishing].items()
             if name == f"{_PREFIX}{topic}"
         ]
 

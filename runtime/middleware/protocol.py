@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 from roverlink.runtime.core.handler import Qos
@@ -11,6 +11,9 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.rcl_interfaces import ParameterDescriptor
 
 M = TypeVar("M", bound="Middleware")
+
+NOT_ACCEPTED = "a subscriber is too slow, or ROS 2 cannot publish it"
+"""Reason why a publisher did not accept a message, for the user."""
 
 Callback = Callable[[Sequence[bytes]], None]
 """Function called with all messages of one topic that have arrived, serialized (CDR with header), oldest first."""
@@ -70,6 +73,8 @@ class Endpoint:
     """Reliability and durability; the graph does not show history and depth."""
     demands: tuple[str, ...] = ()
     """Further QoS policies that a subscription requires, and that no publisher of roverlink offers: ``deadline``."""
+    type: str = field(default="", compare=False)
+    """Type of the messages, as in ``sensor_msgs/msg/Image``; empty if the name is none of ROS 2."""
 
 
 class Publisher(Protocol):
@@ -78,8 +83,8 @@ class Publisher(Protocol):
     def publish(self, messages: Sequence[bytes], /) -> int:
         """Publish serialized messages (CDR with header) in order, without ever waiting for a subscriber.
 
-        Returns how many messages were accepted. If the queue is full, the remaining messages are not accepted, and the
-        caller counts them as lost.
+        Returns how many messages were accepted. If the queue is full, or publishing fails, the remaining messages are
+        not accepted, and the caller counts them as lost. Raises no error.
         """
 
     def has_subscribers(self) -> bool:
@@ -140,6 +145,10 @@ class Middleware(Protocol):
 
         ``publishing`` selects: true for publishers, false for subscriptions. Must be called by one thread at a time.
         """
+
+    def address_changes(self) -> str:
+        """Return a text about addresses that have changed since the node joined ROS 2; empty if none have."""
+        return ""
 
     def set_parameters(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of the own node, as `ros2 param set` does; the node must have parameters.

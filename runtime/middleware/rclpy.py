@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from functools import partial
@@ -27,7 +28,10 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.interface_packages import installed_class
+from roverlink.runtime.middleware.joined_addresses import JoinedAddresses
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
+from roverlink.runtime.middleware.ros_domain import ros_domain
+from roverlink.runtime.middleware.serving import has_ended
 
 if TYPE_CHECKING:
     from roverlink.runtime.middleware.rclpy_actions import RclpyAction
@@ -38,6 +42,10 @@ _UNKNOWN_NODES = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
 _USE_SIM_TIME = "use_sim_time"  # which rclpy declares itself
 _ACTION_S = 60.0  # longest time in seconds for the executor to make the client of an action, far more than it takes
 _INFINITE_NS = 2**63 - 1  # RMW_DURATION_INFINITE
+# A writer whose queue is full waits for a subscriber, up to 0.1 s, before it refuses a message, and rclpy cannot change
+# that. After such a wait the publisher accepts nothing for some time, so that a frozen subscriber costs the other
+# topics at most a tenth of the time.
+_PAUSE = 9  # times as long as the wait
 
 
 class RclpyPublisher:
@@ -45,12 +53,22 @@ class RclpyPublisher:
 
     def __init__(self, handle: Any) -> None:
         self._publish, self._count = handle.publish_raw, handle.get_subscription_count
+        self._paused_until = 0.0
 
     def publish(self, messages: Sequence[bytes], /) -> int:
-        """Publish serialized messages; return their number, because rclpy accepts every message."""
-        for message in messages:
-            self._publish(message)
-        return len(messages)
+        """Publish serialized messages; return how many were accepted."""
+        began = time.monotonic()
+        if began < self._paused_until:
+            return 0
+        accepted = 0
+        try:
+            for message in messages:
+                self._publish(message)
+                accepted += 1
+        except RuntimeError:  # RCLError, which only a private module of rclpy has
+            now = time.monotonic()
+            self._paused_until = now + _PAUSE * (now - began)
+        return accepted
 
     def has_subscribers(self) -> bool:
         """Return true if rclpy knows a subscription that matches this publisher."""
@@ -76,11 +94,13 @@ class RclpyMiddleware(Middleware):
     """rclpy node with two threads: one takes the messages of its topics, and one spins the executor for all else."""
 
     def __init__(self, node: NodeIdentity, parameters: NodeParameters | None) -> None:
+        ros_domain()  # rclpy would end with a traceback for a wrong one
         # A context of its own: the default one may belong to a program that uses this package.
         self._context = rclpy.Context()
         # Signals, remappings and parameters stay with our command line, which has handled them already.
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         simulated = parameters is not None and parameters.values.get(_USE_SIM_TIME)
+        self._joined_addresses = JoinedAddresses()
         self._node = rclpy.create_node(
             node.name,
             namespace=node.namespace,
@@ -152,9 +172,10 @@ class RclpyMiddleware(Middleware):
     def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
         """Return the publishers or the subscriptions of a topic that rclpy has found so far."""
         if publishing:
-            return [Endpoint(_name(info), _qos(info)) for info in self._node.get_publishers_info_by_topic(topic)]
+            found = self._node.get_publishers_info_by_topic(topic)
+            return [Endpoint(_name(info), _qos(info), type=info.topic_type) for info in found]
         found = self._node.get_subscriptions_info_by_topic(topic)
-        return [Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile))) for info in found]
+        return [Endpoint(_name(info), _qos(info), tuple(_strict(info.qos_profile)), info.topic_type) for info in found]
 
     def topics(self) -> Mapping[str, str]:
         """Return the topics of the ROS 2 graph that have publishers, each with the message type of one of them."""
@@ -183,6 +204,10 @@ class RclpyMiddleware(Middleware):
         self._executor.create_task(make)
         return made.result(_ACTION_S)
 
+    def address_changes(self) -> str:
+        """Return a text about addresses that have changed since the node joined ROS 2; empty if none have."""
+        return self._joined_addresses.changes()
+
     def set_parameters(self, changes: Mapping[str, Any]) -> None:
         """Change parameters of the own node: those of rclpy, which asks the function of `_declare`."""
         result = self._node.set_parameters_atomically([Parameter(name, value=value) for name, value in changes.items()])
@@ -194,12 +219,13 @@ class RclpyMiddleware(Middleware):
         if not self._open:
             return
         self._open = False
-        if self._receiver:
-            self._receiver.stop()
+        if self._receiver and not self._receiver.stop():
+            return
         # First the thread, then the executor and the node: a callback that ends while `shutdown` runs misses the guard
         # condition that it triggers, and an executor that waits for what is destroyed may raise InvalidHandle.
         self._executor.create_task(lambda: None)  # it ends the wait
-        self._thread.join()
+        if not has_ended(self._thread):
+            return
         self._executor.shutdown()
         self._held.close()
         self._node.destroy_node()

@@ -28,7 +28,7 @@ from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
 from roverlink.runtime.middleware.protocol import Callback
-from roverlink.runtime.middleware.serving import ServedTopic, serve
+from roverlink.runtime.middleware.serving import ServedTopic, has_ended, serve
 
 _EVENTS_NS = 1_000_000_000  # time between two looks for QoS events
 _DESTROYED_S = 1.0  # longest time for which the end of a subscription waits for a callback that is running
@@ -120,10 +120,10 @@ class Receiver:
 
         return close
 
-    def stop(self) -> None:
-        """End the thread, and wait until it has ended. A callback that is running is not interrupted."""
+    def stop(self) -> bool:
+        """End the thread, and wait until it has ended; return false if it hangs. No running callback is interrupted."""
         self._stop()
-        self._thread.join()
+        return has_ended(self._thread)
 
     def _stop(self) -> None:
         self._stopped = True

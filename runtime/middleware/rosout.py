@@ -6,7 +6,6 @@ import contextlib
 import logging
 
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.rcl_interfaces import Log
@@ -32,17 +31,18 @@ class RosoutHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Publish a record as a rcl_interfaces/msg/Log; `logging` calls this."""
-        log = Log(
-            Time.since_1970(round(record.created * 1e9)),
-            record.levelno,
-            self._name,
-            record.getMessage(),
-            record.pathname,
-            record.funcName or "",
-            record.lineno,
-        )
-        # The line is on the console too, and a warning about it would come back here.
-        with contextlib.suppress(RoverlinkError):
+        # The line is on the console too, and a warning about it would come back here. No error may reach the caller: it
+        # would end the thread that logs.
+        with contextlib.suppress(Exception):
+            log = Log(
+                Time.since_1970(round(record.created * 1e9)),
+                record.levelno,
+                self._name,
+                record.getMessage(),
+                record.pathname,
+                record.funcName or "",
+                record.lineno,
+            )
             self._publisher.publish([cdr.encode(log)])
 
     def close(self) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import threading
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Protocol
 
@@ -11,6 +13,7 @@ from roverlink.runtime.middleware.protocol import Callback
 # their turn.
 _TAKE = 64  # most messages taken at a time
 _TAKE_BEHIND = 8  # the same for a topic of low priority: urgent topics wait until these are handled
+_END_S = 2.0  # far longer than a thread needs that does not hang
 
 
 class Reader(Protocol):
@@ -49,3 +52,14 @@ def serve(topics: Sequence[ServedTopic], ready: Iterable[ServedTopic]) -> None:
                 other.serve(_TAKE_BEHIND)
         topic.serve(_TAKE_BEHIND if urgent else _TAKE)
         took_time = True
+
+
+def has_ended(thread: threading.Thread) -> bool:
+    """Wait until a thread of a middleware has ended. If it hangs, log a warning after two seconds and return false.
+
+    The middleware then leaves open what the thread may use, so that the program can send the stops and end.
+    """
+    thread.join(_END_S)
+    if thread.is_alive():
+        logging.getLogger("roverlink").warning("the thread %s hangs, so the node does not leave ROS 2", thread.name)
+    return not thread.is_alive()

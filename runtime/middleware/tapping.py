@@ -70,6 +70,10 @@ class TappedMiddleware(Middleware):
         """Return the topics with publishers that the wrapped middleware knows, each with its message type."""
         return self._middleware.topics()
 
+    def address_changes(self) -> str:
+        """Return what the wrapped middleware tells about addresses that have changed."""
+        return self._middleware.address_changes()
+
     def set_parameters(self, changes: Mapping[str, Any]) -> None:
         """Let the wrapped middleware change parameters of the own node."""
         self._middleware.set_parameters(changes)

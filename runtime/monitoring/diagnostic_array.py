@@ -6,7 +6,6 @@ An end is a peer or a board. Ends have a status only if the table has the link m
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable, Mapping
 from socket import gethostname
 from typing import Any
@@ -20,16 +19,18 @@ from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, Diagno
 from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.runtime.middleware import Middleware
 from roverlink.runtime.monitoring.state import EndState, Level, RowState, State
+from roverlink.runtime.ros_time.clock import Clock
 
 TOPIC = "/diagnostics"
 QOS = Qos(depth=10)
 
 
-def publisher(middleware: Middleware, full_name: str, topic: str) -> Callable[[State], None]:
+def publisher(middleware: Middleware, full_name: str, topic: str, clock: Clock) -> Callable[[State], None]:
     """Return a function that publishes a bridge's state on ``topic`` as a diagnostic_msgs/DiagnosticArray.
 
     ``full_name`` is the name of the bridge's node with its namespace. It is published with the host, the process and a
     random id, by which a reader tells bridges with the same name apart (containers can share host and process ids).
+    ``clock`` shows the time of the stamps.
     Raises `MiddlewareError` if the package diagnostic_msgs is not installed for rclpy.
     """
     publish = middleware.publisher(topic, DiagnosticArray, QOS).publish
@@ -37,7 +38,7 @@ def publisher(middleware: Middleware, full_name: str, topic: str) -> Callable[[S
 
     def publish_state(state: State) -> None:
         # If a queue is full: the next one follows in a second.
-        publish([cdr.encode(array_of(state, time.time_ns(), origin))])
+        publish([cdr.encode(array_of(state, clock.now(), origin))])
 
     return publish_state
 
@@ -62,6 +63,7 @@ def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
         "received_rate": f"{state.received_rate:.2f}",
         **{f"forwarded.{peer}": count for peer, count in state.forwarded.items()},
         **{f"unsent.{peer}": count for peer, count in state.unsent.items()},
+        **{f"clocks_ahead.{end}": count for end, count in state.clocks_ahead.items()},
         **{f"unforwarded.{peer}": count for peer, count in state.unforwarded.items()},
         **{f"dropped.{reason}": count for reason, count in state.dropped.items()},
         **{f"qos_mismatches.{topic}": count for topic, count in state.qos_mismatches.items()},

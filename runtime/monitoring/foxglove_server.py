@@ -5,6 +5,7 @@ The schemas of the topics are ROS 2 message definitions.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Sequence
 
@@ -13,10 +14,14 @@ from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.tapping import Tap
 from roverlink.runtime.net.addresses import openable_host
+from roverlink.runtime.net.websocket_gate import WebSocketGate, hidden_address
 from roverlink.runtime.recording.message_definitions import definition_of
 
 PORT = 8765
 """TCP port to which Foxglove connects by default."""
+_ORIGINS = ("https://app.foxglove.dev", "file://")
+"""Origins of Foxglove in a browser, and of viewers that are programs with pages of their own."""
+_STOP_S = 0.2  # time in which the viewers can read the last messages
 
 
 class FoxgloveServer:
@@ -35,11 +40,17 @@ class FoxgloveServer:
 
         self._foxglove = foxglove
         self._context = foxglove.Context()
+        behind = hidden_address()
         try:
-            self._server = foxglove.start_server(name=name, host=address, port=port, context=self._context)
+            self._server = foxglove.start_server(name=name, host=behind, port=0, context=self._context)
         except (RuntimeError, OSError, ValueError) as error:
-            raise SetupError(f"cannot serve Foxglove on TCP port {port} of {address}: {error}") from error
-        self.url = f"ws://{openable_host(address)}:{self._server.port}"
+            raise SetupError(f"cannot start the server of topics for Foxglove on {behind}: {error}") from error
+        try:
+            self._gate = WebSocketGate(address, port, "topics for Foxglove", (behind, self._server.port), _ORIGINS)
+        except SetupError:
+            self._server.stop()
+            raise
+        self.url = f"ws://{openable_host(address)}:{self._gate.port}"
         """URL that Foxglove can open."""
 
     def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap:  # noqa: ARG002  # WebSocket has no QoS
@@ -59,7 +70,12 @@ class FoxgloveServer:
         return tap
 
     def __enter__(self) -> FoxgloveServer:
+        self._gate.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._server.stop()
+        self._gate.__exit__()
+        # It waits until every viewer has read everything, which one that hangs never does.
+        stopping = threading.Thread(target=self._server.stop, name="foxglove-stop", daemon=True)
+        stopping.start()
+        stopping.join(_STOP_S)

@@ -1,9 +1,12 @@
-"""Judgement whether a peer or a board is alive, from the rows that it sends."""
+"""Judgement whether a peer or a board is alive, from the rows that it sends, and a log of its silences."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import logging
+from collections.abc import Collection, Iterable, Mapping
 from typing import NamedTuple
+
+from roverlink.runtime.core.registry import EndName
 
 _SILENT_S = 3.0
 """Age in seconds of the last message from which on its sender counts as silent, if its rows are not slower."""
@@ -37,3 +40,28 @@ def liveness_of(rows: Iterable[tuple[float | None, float | None]]) -> Liveness:
     if age is None:
         return Liveness("never", age, limit)
     return Liveness("alive" if age <= limit else "silent", age, limit)
+
+
+class SilenceLog:
+    """Log of the peers and boards that fall silent, and of those that speak again."""
+
+    def __init__(self, logger: logging.Logger) -> None:
+        self._logger = logger
+        self._silences: dict[EndName, float] = {}
+        """Seconds since the last message of each end that is silent."""
+
+    def take(self, ends: Mapping[EndName, Liveness]) -> None:
+        """Log what has changed since the last call; a peer that changes together with one of its boards has no line."""
+        silent = {name: one.age for name, one in ends.items() if one.state == "silent" and one.age is not None}
+        fallen = silent.keys() - self._silences.keys()
+        back = self._silences.keys() - silent.keys()
+        for name in sorted(_without_their_peers(fallen)):
+            self._logger.warning("%s fell silent: no message for %.1f s", name, silent[name])
+        for name in sorted(_without_their_peers(back)):
+            self._logger.info("%s speaks again after %.0f s of silence", name, self._silences[name])
+        self._silences = silent
+
+
+def _without_their_peers(names: Collection[EndName]) -> list[EndName]:
+    peers = {name.peer for name in names if name.board}
+    return [name for name in names if name.board or name.peer not in peers]

@@ -6,8 +6,8 @@ row's last message.
 
 from __future__ import annotations
 
+import logging
 import math
-import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,6 +17,7 @@ from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.bridge.link_exchange import EndReport
 from roverlink.runtime.core.handler import Route
+from roverlink.runtime.core.periodic_thread import PeriodicThread
 from roverlink.runtime.core.registry import EndName, Registry
 from roverlink.runtime.monitoring.histogram import LatencyProbe
 from roverlink.runtime.monitoring.liveness import Liveness, liveness_of
@@ -30,6 +31,7 @@ WINDOW_S = 2.0
 REPORT_S = 1.0
 """Interval in seconds at which listeners get the state."""
 
+_KERNEL = "dropped by the kernel"
 _LOW = 0.8  # share of the expected rate below which a row gets a warning
 _SILENT_PERIODS = 3.0  # periods of the expected rate after which a row is stale, but at least WINDOW_S
 
@@ -62,8 +64,8 @@ class _Sample(NamedTuple):
     """Stops sent because a topic was silent, by payload."""
     received: int
     """Datagrams read from the socket."""
-    lost: int
-    """Datagrams and messages lost for any reason."""
+    lost: Counter[str]
+    """Datagrams and messages lost, by reason."""
 
 
 class Monitor:
@@ -77,6 +79,7 @@ class Monitor:
         probe: LatencyProbe,
         recording: Callable[[], Recording | None] = lambda: None,
         clock: Callable[[], float] = time.monotonic,
+        logger: logging.Logger | None = None,
     ) -> None:
         self._node, self._registry, self._bridge, self._probe = node, registry, bridge, probe
         self._recording, self._clock = recording, clock
@@ -85,8 +88,8 @@ class Monitor:
         self._last_stop: dict[str, float] = {}  # the same for the counter of the row's stops
         self._outbound = {handler.route.name for handler in registry.handlers if not handler.route.inbound}
         self._listeners: list[Callable[[State], None]] = []
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="monitor", daemon=True)
+        self._next_report = clock()
+        self._thread = PeriodicThread("monitor", SAMPLE_S, self._observe, logger or logging.getLogger("roverlink"))
         self.sample()
 
     def add_listener(self, listener: Callable[[State], None]) -> None:
@@ -97,22 +100,26 @@ class Monitor:
         self._listeners.append(listener)
 
     def __enter__(self) -> Monitor:
-        self._thread.start()
+        self._thread.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._ending.set()
-        self._thread.join()
+        self._thread.__exit__()
 
-    def _run(self) -> None:
-        next_report = self._clock()
-        while not self._ending.wait(SAMPLE_S):
-            self.sample()
-            if self._clock() >= next_report:
-                next_report += REPORT_S
-                state = self.state()
-                for listener in self._listeners:
-                    listener(state)
+    def _observe(self) -> None:
+        """Read the counters, and call the listeners once a second: all of them, also if one raises an error."""
+        self.sample()
+        if self._clock() < self._next_report:
+            return
+        self._next_report += REPORT_S
+        state, failures = self.state(), list[Exception]()
+        for listener in self._listeners:
+            try:
+                listener(state)
+            except Exception as failure:  # noqa: BLE001  # it is raised below
+                failures.append(failure)
+        if failures:
+            raise failures[0]
 
     def sample(self) -> None:
         """Read the counters once and store their values. The monitor's thread calls this periodically."""
@@ -126,8 +133,8 @@ class Monitor:
         if before is not None:
             self._last.update({name: now for name, count in crossed.items() if count != before.crossed[name]})
             self._last_stop.update({name: now for name, count in stops.items() if count != before.stops[name]})
-        lost = account.dropped.total() + account.refused.total() + account.unsent.total()
-        lost += self._bridge.socket_state().drops  # the account reads this counter only when a datagram arrives
+        lost = account.dropped + Counter({"refused": account.refused.total(), "not sent": account.unsent.total()})
+        lost[_KERNEL] = self._bridge.socket_state().drops  # the account reads it only when a datagram arrives
         self._samples.append(_Sample(now, crossed, dropped, stops, account.received, lost))
         # Keep one sample older than the window, so that rates cover the whole window.
         while len(self._samples) > 2 and self._samples[1].time <= now - WINDOW_S:
@@ -151,6 +158,7 @@ class Monitor:
             received_rate=(last.received - first.received) / max(last.time - first.time, SAMPLE_S),
             forwarded=dict(account.forwarded),
             unsent=dict(account.unsent),
+            clocks_ahead=dict(account.clocks_ahead),
             dropped=dict(account.dropped),
             qos_mismatches={topic: len(texts) for topic, texts in account.qos_mismatches.items()},
             kernel_drops=socket.drops,
@@ -166,10 +174,22 @@ class Monitor:
     def _overall(self, recording: Recording | None) -> tuple[Level, str]:
         if recording is not None and recording.failure is not None:
             return Level.ERROR, f"the recording stopped: {recording.failure}"
-        if lost := self._samples[-1].lost - self._samples[0].lost:
-            return Level.WARN, f"{lost} datagrams or messages lost in the last {WINDOW_S:.0f} s"
+        first, last = self._samples[0], self._samples[-1]
+        lost = last.lost - first.lost
+        if kernel := lost[_KERNEL]:
+            came = kernel + last.received - first.received
+            text = (
+                f"this computer cannot keep up: {_percent(kernel / came)} of the datagrams lost in the last "
+                f"{WINDOW_S:.0f} s; end other programs, or let the boards send less"
+            )
+            return (Level.ERROR if 2 * kernel > came else Level.WARN), text
+        if lost:
+            reasons = ", ".join(f"{reason} {count}" for reason, count in sorted(lost.items()))
+            return Level.WARN, f"datagrams or messages lost in the last {WINDOW_S:.0f} s: {reasons}"
+        if standing := "; ".join(filter(None, self._bridge.account.standing.values())):
+            return Level.WARN, standing
         if topics := ", ".join(self._bridge.account.qos_mismatches):
-            return Level.WARN, f"the QoS of other nodes does not match on {topics}"
+            return Level.WARN, f"the QoS of other nodes does not match on {topics}; change the QoS of one side"
         return Level.OK, "nothing lost"
 
     def _row(self, route: Route) -> RowState:
@@ -205,6 +225,10 @@ class Monitor:
             level=level,
             message=message,
         )
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if share >= 0.01 else "less than 1 %"
 
 
 def _ends(links: Mapping[EndName, LinkState], rows: Sequence[RowState]) -> Iterator[EndState]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
 from itertools import accumulate
 from typing import Any
@@ -16,6 +17,7 @@ from roverlink.runtime.bridge.link_exchange import UNKNOWN
 from roverlink.runtime.monitoring.histogram import BOUNDS_S, Latencies
 from roverlink.runtime.monitoring.state import State
 from roverlink.runtime.net.http_server import HttpServer
+from roverlink.runtime.net.page_requests import Answer, is_this_computer, not_found, refusal
 
 # The version of the text format (prometheus.io, "Exposition formats").
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
@@ -61,6 +63,8 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "forwarded_total", "Raw datagrams forwarded to a peer.", _by("peer", state.forwarded)
     yield "unsent_total", "Datagrams that the network refused to send.", _by("peer", state.unsent)
     yield "unforwarded_total", "Datagrams that were too long to be forwarded to a peer.", _by("peer", state.unforwarded)
+    ahead = "Signed datagrams that were accepted more than a minute ahead of this computer's clock."
+    yield "clocks_ahead_total", ahead, _by("signer", state.clocks_ahead)
     yield "link_events_total", "Events of the addresses of peers and boards.", [
         ({"peer": peer, "board": board, "event": event}, count)
         for (peer, board, event), count in sorted(state.link_events.items())
@@ -164,12 +168,16 @@ class MetricsServer(HttpServer):
 
         class Page(BaseHTTPRequestHandler):
             def do_GET(self) -> None:
-                known = self.path.partition("?")[0] in ("/", "/metrics")
-                body = text_of(state()).encode() if known else b"not found; the metrics are at /metrics\n"
-                self.send_response(200 if known else 404)
-                self.send_header("Content-Type", CONTENT_TYPE if known else "text/plain")
-                self.send_header("Content-Length", str(len(body)))
+                if not is_this_computer(self.headers["Host"]):
+                    answer = refusal("this is not the address of the metrics")
+                elif self.path.partition("?")[0] in ("/", "/metrics"):
+                    answer = Answer(HTTPStatus.OK, CONTENT_TYPE, text_of(state()).encode())
+                else:
+                    answer = not_found("not found; the metrics are at /metrics")
+                self.send_response(answer.status)
+                self.send_header("Content-Type", answer.type)
+                self.send_header("Content-Length", str(len(answer.body)))
                 self.end_headers()
-                self.wfile.write(body)
+                self.wfile.write(answer.body)
 
         super().__init__(address, port, "metrics", Page)

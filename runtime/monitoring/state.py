@@ -119,6 +119,8 @@ class State:
     ends: tuple[EndState, ...] = ()
     unforwarded: Mapping[str, int] = field(default_factory=dict)
     """Datagrams that were too long to be forwarded to a peer, by this peer."""
+    clocks_ahead: Mapping[str, int] = field(default_factory=dict)
+    """Signed datagrams that were accepted more than a minute ahead of this computer's clock, by who signed them."""
     link_events: Mapping[tuple[str, str, str], int] = field(default_factory=dict)
     """Events of the addresses of peers, by peer, board and event."""
     latencies: Latencies = field(default=Latencies((), 0.0))

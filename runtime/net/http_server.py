@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import logging
 import socket
 import sys
 import threading
@@ -126,10 +127,12 @@ class BoundedServer(ThreadingHTTPServer):
         with contextlib.suppress(OSError):  # the client was faster
             request.shutdown(socket.SHUT_RDWR)
 
-    def handle_error(self, request: Any, client_address: Any) -> None:
-        """Print a traceback; but a client that has closed its connection, or that is too slow, is not an error."""
-        if not isinstance(sys.exc_info()[1], OSError):
-            super().handle_error(request, client_address)
+    def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ARG002  # part of the base's interface
+        """Log why a client got no answer; one that has closed its connection, or that is too slow, is no error."""
+        if not isinstance(error := sys.exc_info()[1], OSError):
+            logging.getLogger("roverlink").error(
+                "no answer to a request from %s: %s: %s", client_address[0], type(error).__name__, error
+            )
 
 
 class _Limited(BaseHTTPRequestHandler):

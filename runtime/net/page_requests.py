@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ipaddress
 import re
+import select
 import socket
 from collections.abc import Mapping
 from http import HTTPStatus
@@ -63,6 +64,8 @@ class Answer(NamedTuple):
     type: str = "text/plain"
     body: bytes = b""
     headers: Mapping[str, str] = {}
+    delay_s: float = 0.0
+    """Time in seconds that the client has to wait for the answer."""
 
 
 def refusal(why: str) -> Answer:
@@ -147,13 +150,20 @@ class PageHandler(BaseHTTPRequestHandler):
         return is_this_computer(self.headers["Host"]) and self.is_own_origin()
 
     def send_answer(self, answer: Answer) -> None:
-        """Send an answer."""
-        self.send_head(answer)
+        """Send an answer after its delay, unless the client leaves or sends more before."""
+        self.send_response(answer.status)  # from here on, the server may end the connection for the sake of others
+        if answer.delay_s and select.select([self.connection], [], [], answer.delay_s)[0]:
+            self.close_connection = True
+            return
+        self._end_head(answer)
         self.wfile.write(answer.body)
 
     def send_head(self, answer: Answer) -> None:
         """Send status and headers of an answer; the length of the body is announced if it has one."""
         self.send_response(answer.status)
+        self._end_head(answer)
+
+    def _end_head(self, answer: Answer) -> None:
         for name, value in answer.headers.items():
             self.send_header(name, value)
         if answer.status != HTTPStatus.NO_CONTENT:

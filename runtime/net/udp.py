@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.errors import FailedThreadError, SetupError
 from roverlink.runtime.net import hosts, mmsg
 from roverlink.runtime.net.hosts import Sender, SocketAddress, sender_at
 
@@ -245,11 +245,11 @@ class Receiver(Generic[T]):
             self._wake.send(b"\0")
 
     def join(self) -> None:
-        """Wait until the thread ends. If an exception of ``handle`` ended the thread, raise that exception."""
+        """Wait until the thread ends. Raises `FailedThreadError` if an exception of ``handle`` ended it."""
         while self._thread.is_alive():
             self._thread.join(_SIGNAL_S)
         if self._failure is not None:
-            raise self._failure
+            raise FailedThreadError(self._thread.name, self._failure)
 
     def _run(self) -> None:
         poll = select.poll()

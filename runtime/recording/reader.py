@@ -2,6 +2,9 @@
 
 If the recording program was killed, a recording has no summary and may end within a record; then it is read up to the
 last complete record. The reader also accepts MCAP files of other programs, with or without chunks.
+
+A recording can come from a stranger, and 64 KB of compressed data can become gigabytes. Therefore the size of a record,
+of a chunk, and of all descriptions of topics is limited.
 """
 
 from __future__ import annotations
@@ -12,7 +15,7 @@ import itertools
 import struct
 import zlib
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from io import BytesIO
@@ -20,6 +23,7 @@ from operator import attrgetter, itemgetter
 from pathlib import Path
 from typing import IO, NamedTuple
 
+from roverlink.bounded_files import open_regular
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.recording import file_names, mcap_file
 from roverlink.runtime.recording.clocks import ClockJump
@@ -30,6 +34,9 @@ from roverlink.runtime.recording.mcap_file import Opcode as Op
 _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
 _CHUNK_TIMES = struct.Struct("<QQ")
+_LARGEST = 64 << 20  # bytes; recorders write chunks of 1 to 4 MB, and the largest images have 50 MB
+_DESCRIPTIONS = (Op.SCHEMA, Op.CHANNEL)
+_FACTS = (*_DESCRIPTIONS, Op.HEADER, Op.METADATA, Op.STATISTICS)
 
 
 class Recorded(NamedTuple):
@@ -69,8 +76,9 @@ class RecordingFile:
     def __init__(self, path: Path) -> None:
         """Check that the file begins like an MCAP file. Raises `SetupError` if not, or if the file is not readable."""
         self.path = path
+        self._described, self._sizes = 0, dict[tuple[int, int], int]()
         try:
-            with path.open("rb") as file:
+            with open_regular(path) as file:
                 start = file.read(len(mcap_file.MAGIC))
         except OSError as error:
             raise SetupError(f"{path}: cannot read the file: {error.strerror}") from error
@@ -81,9 +89,10 @@ class RecordingFile:
     def _open(self) -> Iterator[IO[bytes]]:
         """Open the file for the block. If the block finds damaged content, raise `SetupError`."""
         try:
-            with self.path.open("rb") as file:
+            with open_regular(self.path) as file:
                 yield file
-        except (McapError, struct.error, ValueError) as error:
+        # The libraries of MCAP, zstd and LZ4 (RuntimeError) let errors of Python's conversions through.
+        except (McapError, zstandard.ZstdError, RuntimeError, struct.error, ValueError, OverflowError) as error:
             raise SetupError(f"{self.path}: the file is damaged: {error or type(error).__name__}") from error
         except OSError as error:
             raise SetupError(f"{self.path}: cannot read the file: {error.strerror}") from error
@@ -100,7 +109,7 @@ class RecordingFile:
         """
         contents = Contents()
         with self._open() as file:
-            for opcode, body in _records(file, self._size, skip=(Op.CHUNK, Op.MESSAGE, Op.ATTACHMENT)):
+            for opcode, body in _records(file, self._size, _FACTS):
                 self._note(opcode, body, contents)
         if not contents.complete:
             for message in self._scan(contents):
@@ -122,7 +131,7 @@ class RecordingFile:
 
     def _scan(self, contents: Contents, since: int = 0) -> Iterator[Recorded]:
         with self._open() as file:
-            for opcode, body in _records(file, self._size, since=since):
+            for opcode, body in _records(file, self._size, (*_FACTS, Op.CHUNK, Op.MESSAGE), since):
                 if opcode == Op.CHUNK:
                     yield from self._chunk(records.Chunk.read(_stream(body)), contents)
                 elif opcode == Op.MESSAGE:
@@ -132,8 +141,8 @@ class RecordingFile:
 
     def _chunk(self, chunk: records.Chunk, contents: Contents) -> list[Recorded]:
         found: list[Recorded] = []
-        plain = self._plain(chunk)
-        for opcode, body in _records(BytesIO(plain), len(plain)):
+        plain = _plain(chunk)
+        for opcode, body in _records(BytesIO(plain), len(plain), (*_DESCRIPTIONS, Op.MESSAGE)):
             if opcode == Op.MESSAGE:
                 found.append(self._message(body, contents))
             else:
@@ -141,23 +150,10 @@ class RecordingFile:
         # Two threads fill a chunk, so its messages are only nearly in order.
         return sorted(found, key=itemgetter(0))
 
-    def _plain(self, chunk: records.Chunk) -> bytes:
-        try:
-            plain: bytes = _PLAIN[chunk.compression](chunk)
-        except KeyError:
-            raise SetupError(
-                f"{self.path}: unknown compression {chunk.compression!r} (known: zstd, lz4, none)"
-            ) from None
-        except (zstandard.ZstdError, RuntimeError) as error:
-            raise SetupError(f"{self.path}: the file is damaged: {error}") from error
-        if chunk.uncompressed_crc and zlib.crc32(plain) != chunk.uncompressed_crc:
-            raise SetupError(f"{self.path}: the file is damaged: the checksum of a chunk is wrong")
-        return plain
-
     def _message(self, body: bytes, contents: Contents) -> Recorded:
         channel, _, time, wall = _MESSAGE.unpack_from(body)
         if channel not in contents.channels:
-            raise SetupError(f"{self.path}: the file is damaged: a message has the unknown channel {channel}")
+            raise McapError(f"a message has the unknown channel {channel}")
         return Recorded(time, wall, contents.channels[channel], body[_MESSAGE.size :])
 
     def _note(self, opcode: int, body: bytes, contents: Contents) -> None:
@@ -166,9 +162,11 @@ class RecordingFile:
             contents.profile = records.Header.read(_stream(body)).profile
         elif opcode == Op.SCHEMA:
             schema = records.Schema.read(_stream(body))
+            self._count(opcode, schema.id, body)
             self._schemas[schema.id] = schema
         elif opcode == Op.CHANNEL:
             channel = _channel(records.Channel.read(_stream(body)), self._schemas)
+            self._count(opcode, channel.id, body)
             contents.channels.setdefault(channel.id, channel)
         elif opcode == Op.METADATA:
             metadata = records.Metadata.read(_stream(body))
@@ -182,15 +180,39 @@ class RecordingFile:
             contents.start, contents.end = statistics.message_start_time, statistics.message_end_time
             contents.complete = True
 
+    def _count(self, opcode: int, id: int, body: bytes) -> None:
+        """Count the bytes of all descriptions of topics. Raises `McapError` if they are too many to keep."""
+        self._described += len(body) - self._sizes.get((opcode, id), 0)
+        self._sizes[opcode, id] = len(body)
+        if self._described > _LARGEST:
+            raise McapError(f"the schemas and channels have more than {_LARGEST} bytes")
+
     @cached_property
     def _schemas(self) -> dict[int, records.Schema]:
         return {}
 
 
+def _plain(chunk: records.Chunk) -> bytes:
+    """Return the content of a chunk. Raises `McapError` or an error of a decompressor if it is damaged or too large."""
+    size = chunk.uncompressed_size
+    if chunk.compression == "zstd":
+        # The decompressor believes the frame, and not the size that is given to it.
+        size = max(size, zstandard.frame_content_size(chunk.data))
+    if size > _LARGEST:
+        raise McapError(f"a chunk has {size} bytes; chunks of more than {_LARGEST} bytes are not read")
+    if chunk.compression not in _PLAIN:
+        raise McapError(f"a chunk has the unknown compression {chunk.compression!r} (known: zstd, lz4, none)")
+    plain = _PLAIN[chunk.compression](chunk)
+    checksum = chunk.uncompressed_crc and zlib.crc32(plain)
+    if (len(plain), checksum) != (chunk.uncompressed_size, chunk.uncompressed_crc):
+        raise McapError("the size or the checksum of a chunk is wrong")
+    return plain
+
+
 _PLAIN: Mapping[str, Callable[[records.Chunk], bytes]] = {
     "": attrgetter("data"),
     "zstd": lambda chunk: zstandard.ZstdDecompressor().decompress(chunk.data, chunk.uncompressed_size),
-    "lz4": lambda chunk: lz4.frame.decompress(chunk.data),
+    "lz4": lambda chunk: lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, chunk.uncompressed_size + 1),
 }
 
 
@@ -204,10 +226,10 @@ def _channel(channel: records.Channel, schemas: Mapping[int, records.Schema]) ->
     return Channel(channel.id, channel.topic, channel.message_encoding, name, encoding, data, channel.metadata)
 
 
-def _records(file: IO[bytes], size: int, skip: tuple[int, ...] = (), since: int = 0) -> Iterator[tuple[int, bytes]]:
-    """Yield opcode and body of the complete records in the first ``size`` bytes.
+def _records(file: IO[bytes], size: int, wanted: Collection[int], since: int = 0) -> Iterator[tuple[int, bytes]]:
+    """Yield opcode and body of the complete records in the first ``size`` bytes whose opcodes are ``wanted``.
 
-    Opcodes in ``skip`` are left out, and chunks that end before the time ``since``.
+    Chunks that end before the time ``since`` are left out. Raises `McapError` for a record that is too large.
     """
     if file.tell() == 0 and file.read(len(mcap_file.MAGIC)) != mcap_file.MAGIC:
         file.seek(0)  # these are the bytes of a chunk, which have no magic
@@ -216,9 +238,11 @@ def _records(file: IO[bytes], size: int, skip: tuple[int, ...] = (), since: int 
         # The closing magic, or a record cut short by a kill.
         if head[:8] == mcap_file.MAGIC or length > size - file.tell():
             return
-        if opcode in skip or (since and opcode == Op.CHUNK and _chunk_end(file) < since):
+        if opcode not in wanted or (since and opcode == Op.CHUNK and _chunk_end(file) < since):
             file.seek(length, 1)
             continue
+        if length > _LARGEST:
+            raise McapError(f"a record has {length} bytes; records of more than {_LARGEST} bytes are not read")
         yield opcode, file.read(length)
 
 

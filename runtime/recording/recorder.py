@@ -18,6 +18,7 @@ from google.protobuf.message import DecodeError
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.periodic_thread import AlarmedThread
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.middleware.tapping import Tap
 from roverlink.runtime.recording import file_names
@@ -72,13 +73,12 @@ class Recorder:
         # datagrams.
         self._envelope = descriptor_set_of(registry.envelope)
         self._channels_lock = threading.Lock()
-        self._ending = threading.Event()
         self._next_flush = time.monotonic() + _FLUSH_S
         self._bytes_seen = 0
         self._warned = False
         self.failure: str | None = None
         """Reason why the recording failed; None while it works."""
-        self._thread = threading.Thread(target=self._run, name="record", daemon=True)
+        self._thread = AlarmedThread("record", self._run)
 
     # --- channels ---
 
@@ -152,16 +152,15 @@ class Recorder:
     # --- writing ---
 
     def __enter__(self) -> Recorder:
-        self._thread.start()
+        self._thread.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._ending.set()
-        self._thread.join()
+        self._thread.__exit__()
 
     def _run(self) -> None:
         try:
-            while not self._ending.wait(_WAKE_S):
+            while self._thread.wait(_WAKE_S):
                 self._write_waiting()
             self._take()
             for queued in self._files:

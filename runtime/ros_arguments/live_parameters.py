@@ -62,11 +62,14 @@ def _refuse_at_start(_: Parameters) -> None:
     raise SetupError("the node is starting; try again")
 
 
+_TYPES = {int: ParameterValue.INTEGER, str: ParameterValue.STRING, bool: ParameterValue.BOOL}
+
+
 def _descriptor(name: str, declared: Declaration) -> ParameterDescriptor:
-    is_number = isinstance(declared.default, int)
+    is_number = type(declared.default) is int
     return ParameterDescriptor(
         name,
-        ParameterValue.INTEGER if is_number else ParameterValue.STRING,
+        _TYPES[type(declared.default)],
         f"{declared.description}, in {declared.unit}" if declared.unit else declared.description,
         f"one of {', '.join(declared.choices)}" if declared.choices else "",
         read_only=declared.read_only,

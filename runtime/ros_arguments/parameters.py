@@ -17,7 +17,7 @@ from roverlink.runtime.text.host_names import LEARN, hosts_in
 class Declaration:
     """Declaration of one ROS 2 parameter of the node: its default, its description, and its allowed values."""
 
-    default: int | str
+    default: int | str | bool
     description: str
     unit: str = ""
     """Unit of a parameter that is a number, such as ``bytes``."""
@@ -36,7 +36,7 @@ class Declaration:
     of_link: bool = False
     """True if only the nodes of tables with a link message have the parameter."""
 
-    def check(self, name: str, value: int | str) -> None:
+    def check(self, name: str, value: int | str | bool) -> None:
         """Raise `SetupError` if a value is not allowed for the parameter; ``name`` is the parameter's name."""
         if type(value) is not type(self.default):
             raise SetupError(f"the parameter {name!r} is {value!r}; it must be of type {type(self.default).__name__}")
@@ -57,6 +57,12 @@ DECLARED: Mapping[str, Declaration] = {
 }
 """Declarations of the parameters in `node_parameters.yaml`, by the name of the parameter."""
 LISTEN_PORT = DECLARED["listen_port"].default
+USE_SIM_TIME = "use_sim_time"
+_OF_EVERY_NODE = {
+    USE_SIM_TIME: Declaration(
+        default=False, description="true if stamps are times of a simulation, from /clock", read_only=True
+    )
+}
 
 
 class EndAddress(NamedTuple):
@@ -80,6 +86,7 @@ class Parameters:
     max_datagram: int
     receive_buffer: int
     link_policy: str
+    use_sim_time: bool
     addresses: Mapping[EndName, EndAddress]
     """Hosts and UDP port of each end of the link."""
     values: Mapping[str, Any]
@@ -89,10 +96,10 @@ class Parameters:
 def declarations(registry: Registry) -> dict[str, Declaration]:
     """Return the declaration of every parameter of the node, by the parameter's name.
 
-    These are the parameters in `DECLARED`, and parameters for the host and the UDP port of each end of the link, which
-    the table names.
+    These are the parameters in `DECLARED`, the one that every ROS 2 node has, and parameters for the host and the UDP
+    port of each end of the link, which the table names.
     """
-    declared = {
+    declared = _OF_EVERY_NODE | {
         name: parameter for name, parameter in DECLARED.items() if registry.link is not None or not parameter.of_link
     }
     if registry.link is not None:
@@ -108,6 +115,7 @@ def _declarations_of(name: EndName, end: End) -> dict[str, Declaration]:
         DECLARED["listen_port"],
         default=end.port,
         minimum=0 if end.host else 1,
+        limits=f"a UDP port is a number from {'0 (learned with the address)' if end.host else 1} to 65535",
         read_only=False,
         description=f"UDP port of {what}" + ("; 0 learns it with the address" if end.host else ""),
     )
@@ -125,7 +133,7 @@ def defaults(registry: Registry) -> dict[str, Any]:
     return {name: declared.default for name, declared in declarations(registry).items()}
 
 
-_OF_EVERY_NODE = frozenset({"use_sim_time", "start_type_description_service"})
+_UNUSED = frozenset({"start_type_description_service"})
 """Parameters that rclpy declares for every node, so that `ros2 param dump` writes them; this node does not use them."""
 
 
@@ -134,7 +142,7 @@ def read(registry: Registry, given: Mapping[str, Any]) -> Parameters:
 
     Raises `SetupError` for an unknown name or a value that is not allowed.
     """
-    return _checked(registry, {name: value for name, value in given.items() if name not in _OF_EVERY_NODE})
+    return _checked(registry, {name: value for name, value in given.items() if name not in _UNUSED})
 
 
 def changed(registry: Registry, parameters: Parameters, changes: Mapping[str, Any]) -> Parameters:
@@ -142,13 +150,13 @@ def changed(registry: Registry, parameters: Parameters, changes: Mapping[str, An
 
     Raises `SetupError` if one of the parameters is unknown or read-only, or if a value is wrong.
     """
+    declared = declarations(registry)
     for name, value in changes.items():
-        if name == "use_sim_time" and value:
-            raise SetupError("the parameter 'use_sim_time' cannot change: this node does not use simulated time")
-        if name in DECLARED and DECLARED[name].read_only:
-            raise SetupError(f"the parameter {name!r} is read-only; restart the node with -p {name}:={value}")
+        if name in declared and declared[name].read_only and value != parameters.values[name]:
+            shown = str(value).lower() if isinstance(value, bool) else value
+            raise SetupError(f"the parameter {name!r} is read-only; restart the node with -p {name}:={shown}")
     # `ros2 param load` sets all that `ros2 param dump` has written.
-    own = {name: value for name, value in changes.items() if name not in _OF_EVERY_NODE}
+    own = {name: value for name, value in changes.items() if name not in _UNUSED}
     return _checked(registry, {**parameters.values, **own})
 
 
@@ -167,5 +175,5 @@ def _checked(registry: Registry, given: Mapping[str, Any]) -> Parameters:
         if not addresses[name].port and addresses[name].hosts != (LEARN,):
             message = f"the parameter {end.port_parameter!r} is 0, but {end.host_parameter!r} is not {LEARN!r}"
             raise SetupError(f"{message}; set the UDP port of {name}")
-    own = {name: values.get(name, parameter.default) for name, parameter in DECLARED.items()}
+    own = {name: values.get(name, parameter.default) for name, parameter in {**DECLARED, **_OF_EVERY_NODE}.items()}
     return Parameters(addresses=addresses, values=values, **own)

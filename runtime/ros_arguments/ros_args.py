@@ -9,13 +9,15 @@ meant (``node:name:=value``).
 
 from __future__ import annotations
 
+import logging
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from roverlink.runtime.core.errors import SetupError
+from roverlink.bounded_files import read_text
+from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.runtime.middleware import NodeIdentity
 from roverlink.runtime.text import strict_yaml
 
@@ -34,11 +36,26 @@ class RosArguments:
 
     node: NodeIdentity
     parameters: dict[str, Any] = field(default_factory=dict)
+    shared_parameters: set[str] = field(default_factory=set)
+    """Names of the parameters that only a section for several nodes of a parameter file sets, such as ``/**``."""
     log_level: str = "info"
     logs_to_console: bool = True
     logs_to_rosout: bool = True
     remaps: list[tuple[str, str]] = field(default_factory=list)
     """Pairs of names: the topic with the first one gets the second one."""
+
+    def parameters_in(self, declared: Collection[str], logger: logging.Logger) -> dict[str, Any]:
+        """Return the parameters without those that a section for several nodes sets and this node does not declare.
+
+        As in ROS 2, such a parameter belongs to another node. It is logged with the level debug, or as a warning if its
+        name looks like a misspelt name of this node.
+        """
+        foreign = [name for name in self.parameters if name in self.shared_parameters and name not in declared]
+        for name in foreign:
+            hint = nearest(name, declared, "")
+            text = f"ignored the parameter {name!r}, which a parameter file sets for several nodes"
+            logger.log(logging.WARNING if hint else logging.DEBUG, "%s", f"{text}; {hint}" if hint else text)
+        return {name: value for name, value in self.parameters.items() if name not in foreign}
 
     def topic(self, name: str) -> str:
         """Return the fully qualified name of a topic after remapping. As in rcl, the first matching rule decides."""
@@ -78,7 +95,8 @@ def parse(arguments: list[str], default_name: str) -> RosArguments:
     parsed = RosArguments(_identity(options, default_name))
     for option, value in options:
         if option == "params-file":
-            parsed.parameters.update(_read_params_file(Path(value), parsed.node))
+            for pattern, found in _read_params_file(Path(value), parsed.node):
+                _set_parameters(parsed, found, shared="*" in pattern.rpartition("/")[2])
         elif option == "parameter":
             _set_parameter(parsed, value)
         elif option == "remap":
@@ -162,9 +180,17 @@ def _set_parameter(parsed: RosArguments, text: str) -> None:
     if node not in ("", parsed.node.name):
         return
     try:
-        parsed.parameters[name] = strict_yaml.load(value)
+        _set_parameters(parsed, {name: strict_yaml.load(value)}, shared=False)
     except strict_yaml.YamlTextError as error:
         raise SetupError(f"the value of the parameter {name}: {error}") from error
+
+
+def _set_parameters(parsed: RosArguments, values: Mapping[str, Any], *, shared: bool) -> None:
+    if shared:
+        parsed.shared_parameters.update(values.keys() - parsed.parameters.keys())
+    else:
+        parsed.shared_parameters.difference_update(values)
+    parsed.parameters.update(values)
 
 
 def _add_remap(parsed: RosArguments, text: str) -> None:
@@ -186,25 +212,23 @@ def _log_level(text: str) -> str:
     return level
 
 
-def _read_params_file(path: Path, node: NodeIdentity) -> dict[str, Any]:
-    """Return the parameters for a node from a parameter file.
+def _read_params_file(path: Path, node: NodeIdentity) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the key and the parameters of each section of a parameter file that belongs to a node.
 
     A section of the file belongs to the node if its key is the node's name, its full name, or a wildcard that matches.
     """
     try:
-        content = strict_yaml.load(path.read_text(encoding="utf-8"))
+        content = strict_yaml.load(read_text(path))
     except strict_yaml.YamlTextError as error:
         raise SetupError(error.in_file(path)) from error
-    except (OSError, UnicodeError) as error:
-        raise SetupError(f"{path}: cannot read the file: {error}") from error
+    except OSError as error:
+        raise SetupError(f"{path}: cannot read the file: {error.strerror}") from error
     if not isinstance(content, Mapping):
         raise SetupError(f"{path}: expected node names, each with `ros__parameters:` below it")
-    parameters: dict[str, Any] = {}
     for pattern, section in _sections(content):
         found = _section_parameters(path, pattern, section)
         if _matches(pattern, node):
-            parameters.update(found)
-    return parameters
+            yield pattern, found
 
 
 def _sections(content: Mapping[Any, Any], prefix: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:

@@ -9,7 +9,7 @@ from roverlink.runtime.interfaces.std_msgs import Header
 
 def header_of(stamp: int, frame: str) -> Header:
     """Return a message header; `stamp` is in nanoseconds since 1970, `frame` names a coordinate frame."""
-    return Header(Time(stamp // 10**9, stamp % 10**9), frame)
+    return Header(Time.since_1970(stamp), frame)
 
 
 def stamp_of(header: Header) -> int:

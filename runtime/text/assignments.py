@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import yaml
 from google.protobuf.descriptor import FieldDescriptor
 
+from roverlink.bounded_yaml import BoundedBaseLoader
 from roverlink.runtime.core.descriptor_check import scalar_name
 from roverlink.runtime.core.errors import ConversionError, nearest
 from roverlink.runtime.text import strict_yaml
@@ -156,6 +157,6 @@ def _fits(field: Any, number: Any) -> bool:
 def _yaml(text: str, path: str) -> Any:
     """Parse YAML to lists, mappings and texts. Texts are parsed later, by the type of their field."""
     try:
-        return yaml.load(text, yaml.BaseLoader)  # noqa: S506  # BaseLoader makes only lists, mappings and strings
-    except (yaml.YAMLError, RecursionError) as error:
+        return yaml.load(text, BoundedBaseLoader)  # noqa: S506  # it makes only lists, mappings and texts
+    except yaml.YAMLError as error:
         raise ConversionError(f"{text!r} is not valid YAML", path) from error

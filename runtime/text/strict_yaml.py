@@ -1,7 +1,8 @@
 """Strict reader of YAML for files and command lines: PyYAML, with checks for errors that PyYAML ignores.
 
 If a key occurs twice, PyYAML silently keeps the last value. And if a value cannot be converted to the type of its tag,
-PyYAML may raise any kind of exception.
+PyYAML may raise any kind of exception. A text from a stranger must cost neither seconds nor gigabytes. Therefore the
+levels, the digits of a number, and the entries that ``<<`` merges have limits.
 """
 
 from __future__ import annotations
@@ -13,9 +14,14 @@ from typing import Any
 
 import yaml
 
+from roverlink.bounded_yaml import BoundedLoader
+
 _MERGE = "tag:yaml.org,2002:merge"
 _NULL = "tag:yaml.org,2002:null"
 _LARGEST = 2**64  # largest integer; a larger one fits no field, and Python refuses to print those above 4300 digits
+_LONGEST_NUMBER = 400  # characters; a double needs 309 digits at most, and Python needs seconds for many more
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+_MOST_MERGED = 10_000  # entries of a mapping; with merges of merges, a short text has billions
 _SHOWN = 40  # characters of a value in a message
 
 
@@ -47,29 +53,33 @@ def compose(text: str) -> yaml.Node:
     Raises `YamlTextError` for invalid YAML and for a key that occurs twice in a mapping.
     """
     try:
-        root = yaml.compose(text, yaml.SafeLoader)
+        root = yaml.compose(text, BoundedLoader)
         if root is None:
             # An empty text has no node for yaml.compose, but it is a valid document: null.
             start = yaml.Mark("", 0, 0, 0, None, 0)
             return yaml.ScalarNode(_NULL, "", start, start)
-        mappings = [node for node in _nodes(root) if isinstance(node, yaml.MappingNode)]
+        nodes = [*_nodes(root)]
+        for node in nodes:
+            if isinstance(node, yaml.ScalarNode):
+                _check_scalar(node)
+        mappings = [node for node in nodes if isinstance(node, yaml.MappingNode)]
         for mapping in mappings:
             _check_keys(mapping)
         for mapping in mappings:
-            yaml.constructor.SafeConstructor().flatten_mapping(mapping)
+            _Constructor().flatten_mapping(mapping)
     except yaml.MarkedYAMLError as error:
         raise YamlTextError(f"not valid YAML: {error.problem or error.context}", error.problem_mark) from error
     except yaml.YAMLError as error:
         raise YamlTextError(f"not valid YAML: {error}") from error
     except RecursionError as error:
-        raise YamlTextError("nested too deeply") from error
+        raise YamlTextError("a mapping merges itself") from error
     return root
 
 
 def construct(node: yaml.Node) -> Any:
     """Convert a YAML node to a plain Python value. Raises `YamlTextError` if that is impossible, as for 2024-02-30."""
     try:
-        value = yaml.constructor.SafeConstructor().construct_document(node)
+        value = _Constructor().construct_document(node)
     # PyYAML's constructors look up, match and convert without catching the errors of these operations.
     except (yaml.YAMLError, ValueError, LookupError, AttributeError, TypeError) as error:
         raise YamlTextError(f"{shown(node)} is not a valid value", node.start_mark) from error
@@ -104,6 +114,30 @@ def _nodes(root: yaml.Node) -> Iterator[yaml.Node]:
             waiting.extend(part for pair in node.value for part in pair)
         elif isinstance(node, yaml.SequenceNode):
             waiting.extend(node.value)
+
+
+class _Constructor(yaml.constructor.SafeConstructor):
+    def flatten_mapping(self, node: yaml.MappingNode) -> None:
+        """Merge the mappings of ``<<`` into a mapping. Raises `YamlTextError` if there are too many entries.
+
+        PyYAML before 6.0.4 copies them all, also those that it has already.
+        """
+        for key, value in node.value:
+            if key.tag == _MERGE and isinstance(value, yaml.SequenceNode):
+                merged = [part for part in value.value if isinstance(part, yaml.MappingNode)]
+                for part in merged:
+                    self.flatten_mapping(part)
+                if sum(len(part.value) for part in merged) > _MOST_MERGED:
+                    raise YamlTextError(f"<< merges more than {_MOST_MERGED} entries", key.start_mark)
+        super().flatten_mapping(node)
+
+
+def _check_scalar(node: yaml.ScalarNode) -> None:
+    """Raise `YamlTextError` for a number that is too long, and for the character NUL, which no file name can have."""
+    if node.tag in _NUMBERS and len(node.value) > _LONGEST_NUMBER:
+        raise YamlTextError(f"{shown(node)} is too large", node.start_mark)
+    if "\0" in node.value:
+        raise YamlTextError(f"{shown(node)} has the character NUL", node.start_mark)
 
 
 def _check_keys(mapping: yaml.MappingNode) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from generated.registry import REGISTRY
-from roverlink.nodes import Direction
+from roverlink.nodes import USE_SIM_TIME, Direction
 from roverlink.nodes.bridge_node import read_table_nodes
 from roverlink.runtime.ros_arguments.parameters import declarations
 
@@ -29,7 +29,7 @@ def test_the_bridge_has_the_declared_topics_and_parameters() -> None:
         (one.name, *one.type_names, one.qos, one.direction is Direction.PUBLISHED) for one in table.bridge.topics
     }
     assert declared == rows
-    parameters = {(one.name, one.default, one.read_only) for one in table.bridge.parameters}
+    parameters = {(one.name, one.default, one.read_only) for one in (*table.bridge.parameters, USE_SIM_TIME)}
     assert parameters == {(name, one.default, one.read_only) for name, one in declarations(REGISTRY).items()}
 
 

@@ -217,7 +217,6 @@ for line in ([name] for names in command_line.GROUPS.values() for name in names)
             "'SOURCE[metrics]'",
         ),
         ("pyarrow", "recording export {run} --topic imu_data --to parquet", "'SOURCE[parquet]'"),
-        ("rich", "recording info {run}", "'rich>=14'"),
         ("rosbags", "echo spoken --type std_msgs/msg/String", "'SOURCE[standard]'"),
         ("yaml", "lint", "'pyyaml>=6'"),
         ("cyclonedds", "simulate --bridge dds --seconds 1", "cyclonedds"),

@@ -40,17 +40,17 @@ _TREES = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", _TREES)
 def test_from_protos_to_a_bridge_that_carries_a_message(
-    name: str, tmp_path: Path, start: Start, done: Start, bridge: Bridge
+    name: str, tmp_path: Path, start: Start, called: Called, bridge: Bridge
 ) -> None:
     """One command, and `generate`, `lint` and `run` work; a datagram that a board sends comes out on its topic."""
     prepare, row, assignment, expected = _TREES[name]
     prepare(tmp_path)  # type: ignore[operator]
-    code, said, errors = done("init", "--from", "protos", folder=tmp_path)
+    code, said, errors = called("init", "--from", "protos", folder=tmp_path)
     assert (code, errors) == (0, "")
     assert "next:\n" in said
-    code, said, _ = done("generate", folder=tmp_path)
+    code, said, _ = called("generate", folder=tmp_path)
     assert (code, said.startswith("0 changes")) == (0, True)
-    assert done("lint", folder=tmp_path)[0] == 0
+    assert called("lint", folder=tmp_path)[0] == 0
     program, port = bridge(middleware="dds", folder=tmp_path)
     echo = start("echo", row, "--json", "--count", 1, "--timeout", 60, folder=tmp_path)
     board = ("send", row, assignment, "--to", f"127.0.0.1:{port}", "--count", 1200, "--rate", 20)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import resource
 import socket
 import stat
 import subprocess
@@ -40,6 +41,19 @@ def test_keygen_makes_a_file_and_shows_no_secret(
     assert "roverlink: basestation.keys: the file exists" in shown
     assert len(read_keys(file)) == 4
     assert all(secret[:8] not in shown for secret in _secrets(file))
+
+
+def test_a_full_disk_leaves_no_empty_key_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The next attempt works: no file without keys is in its way."""
+    path = tmp_path / "basestation.keys"
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
+    try:
+        assert main(["link", "keygen", "basestation", "--out", str(path)]) == 2
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert "cannot write the key file: File too large" in capsys.readouterr().err
+    assert not path.exists()
 
 
 @pytest.fixture

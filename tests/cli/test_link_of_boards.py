@@ -18,25 +18,18 @@ from roverlink.runtime.core.link_message import LinkWriter
 
 @contextlib.contextmanager
 def _board(hashes: dict[int, int]) -> Iterator[list[str]]:
-    """A board that answers each datagram with a link message; yields the parameters of the bridge that it knows.
-
-    The answer goes to the bridge's port, as a board does that knows only this port. Its address is one of this host's
-    that nobody else uses, because the board's port is ours.
-    """
+    """A board that answers each datagram with a link message, to its sender; yields the parameters of the bridge."""
     writer = LinkWriter(linked_registry().envelope, 7, hashes)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.bind(("127.0.0.1", 0))
         sock.settimeout(0.1)
-        port = sock.getsockname()[1]
-        address = f"127.80.{port >> 8}.{port & 255}"
 
         def answer(_: int) -> None:
             with contextlib.suppress(TimeoutError):
-                sock.recv(2000)
-                sock.sendto(writer.write(1), (address, 6100))
+                sock.sendto(writer.write(1), sock.recvfrom(2000)[1])
 
         with repeated(answer, 0):
-            yield ["listen_port:=6100", f"listen_address:='{address}'", f"dst_b_port:={port}"]
+            yield ["listen_port:=0", f"dst_b_port:={sock.getsockname()[1]}"]
 
 
 @pytest.mark.slow

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+import os
 import re
 import shlex
 import shutil
@@ -12,6 +14,8 @@ from pathlib import Path
 import pytest
 from needs import NO_AV, NO_FOXGLOVE, NO_ONNX, NO_OPENCV
 from running import exit_code, record_one_message
+
+from roverlink.command_line import command_line
 
 _HERE = Path(__file__).parent
 _ROOT = Path(__file__).parents[2]
@@ -73,6 +77,15 @@ def _write_pictures(folder: Path) -> None:
     write_cameras(folder, {"source": "images"})
 
 
+def _need(command: str, folder: Path) -> None:
+    """Skip the test if a package of the command is missing; write the images and the files of the camera."""
+    reason, packages = _NEEDED.get(command, ("", []))
+    for package in packages:
+        pytest.importorskip(package, reason=reason)
+    if packages and not (folder / "camera.yml").exists():
+        _write_pictures(folder)
+
+
 @pytest.mark.parametrize(("line", "expected"), _CASES, ids=[line for line, _ in _CASES])
 def test_a_line_that_cannot_be_obeyed_is_told(
     line: str,
@@ -84,11 +97,7 @@ def test_a_line_that_cannot_be_obeyed_is_told(
 ) -> None:
     """The message quotes what is wrong; where the line itself is wrong, the command that shows the usage is named."""
     command = line.partition(" ")[0]
-    reason, packages = _NEEDED.get(command, ("", []))
-    for package in packages:
-        pytest.importorskip(package, reason=reason)
-    if packages and not (folder / "camera.yml").exists():
-        _write_pictures(folder)
+    _need(command, folder)
     if "--foxglove" in line:
         pytest.importorskip("foxglove", reason=NO_FOXGLOVE)
     if "--pipeline" in line and shutil.which("gst-launch-1.0") is None:
@@ -112,3 +121,83 @@ def test_a_line_that_cannot_be_obeyed_is_told(
         r"\nrun `roverlink.* --help` for all arguments$", errors.rstrip()
     )
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+_PATHS = [
+    f"{command} {option}"
+    for line in (_HERE / "bad_paths.txt").read_text(encoding="utf-8").splitlines()[1:]
+    for command, *options in [line.split(" | ")]
+    for option in options
+]
+_BAD_FILES = {
+    "nul.yaml": b'landmarks: "a\\0b"\n',
+    "brackets.yaml": b"[" * 5000,
+    "digits.yaml": b"a: " + b"1:" * 5000 + b"1",
+    "binary": b"\xff\0\x80" * 100,
+}
+
+
+@pytest.fixture(scope="module")
+def bad_paths(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
+    """Paths that cannot be written, and paths that cannot be read."""
+    folder = tmp_path_factory.mktemp("bad")
+    for name, data in _BAD_FILES.items():
+        (folder / name).write_bytes(data)
+    (folder / "loop").symlink_to("loop")
+    os.mkfifo(folder / "pipe")
+    with (folder / "huge").open("wb") as file:
+        file.truncate(1 << 40)  # it has no blocks on the disk
+    nowhere = ["n" * 300, f"{folder}/binary/x"]
+    no_folder = [*nowhere, f"{folder}/loop", f"{folder}/pipe"]
+    return {
+        "@out": nowhere,
+        "@dir": no_folder,
+        "@in": no_folder + [f"{folder}/{name}" for name in ("huge", *_BAD_FILES)],
+    }
+
+
+@pytest.mark.parametrize("line", _PATHS)
+def test_a_path_that_nobody_can_use_is_told(
+    line: str,
+    folder: Path,
+    bad_paths: dict[str, list[str]],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Whatever the file is, no command ends with a traceback, or waits, or takes all the memory."""
+    command = line.partition(" ")[0]
+    _need(command, folder)
+    monkeypatch.chdir(_ROOT)
+    (mark,) = {"@in", "@dir", "@out"}.intersection(line.split())
+    line = " ".join(str(folder / word) if (folder / word).exists() else word for word in line.split())
+    for path in bad_paths[mark]:
+        assert exit_code(*line.replace(mark, path).split()) in (1, 2), path
+        assert "".join(capsys.readouterr()), path
+
+
+def _with_paths(parser: argparse.ArgumentParser, words: str = "") -> Iterator[str]:
+    """The commands that take a path; those of a group are below it."""
+    if any(action.type is Path for action in parser._actions):
+        yield words
+    for group in parser._actions:
+        if isinstance(group, argparse._SubParsersAction):
+            for name, below in group.choices.items():
+                yield from _with_paths(below, f"{words}{name} ")
+
+
+def test_every_command_that_takes_a_path_is_walked() -> None:
+    """A new command needs a line in bad_paths.txt."""
+    assert [
+        words for words in _with_paths(command_line()) if words not in {f"{line} "[: len(words)] for line in _PATHS}
+    ] == []
+
+
+@pytest.mark.parametrize("debug", ["", "1"])
+def test_the_traceback_is_shown_on_request(
+    debug: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The line stands at the end in any case; without the variable, it is alone."""
+    monkeypatch.setenv("ROVERLINK_DEBUG", debug)
+    assert exit_code("recording", "info", "a\0b") == 2
+    errors = capsys.readouterr().err
+    assert (errors.count("\nroverlink: ") + errors.startswith("roverlink: "), "Traceback" in errors) == (1, bool(debug))

@@ -65,9 +65,10 @@ def test_the_log_goes_to_standard_error(bridge: Bridge) -> None:
 
 @pytest.mark.slow
 def test_a_params_file_and_the_log_level_are_obeyed(start: Start, peer: socket.socket, tmp_path: Path) -> None:
-    """With `--log-level error`, neither what it does nor what it drops is told."""
+    """With `--log-level error`, neither what it does nor what it drops is told. Parameters of others are ignored."""
     path = tmp_path / "params.yaml"
-    given = {"listen_port": 0, "forward_policy": "all", "dst_a_port": peer.getsockname()[1]}
+    of_others = {"robot_radius": 0.3, "qos_overrides./parameter_events.publisher.depth": 100}
+    given = {"listen_port": 0, "forward_policy": "all", "dst_a_port": peer.getsockname()[1], **of_others}
     path.write_text(json.dumps({"/**": {"ros__parameters": given}}))
     words = ("--params-file", path, "--log-level", "error")
     program = start("run", "--middleware", "memory", "--json", "--ros-args", *words)

@@ -121,6 +121,13 @@ def test_a_bridge_in_memory_adds_up(called: Called) -> None:
     assert account["commands"] > 0
 
 
+def test_a_rate_that_the_computer_cannot_reach_is_told() -> None:
+    """A tenth of it was reached: the note says how much that was; a run that was in time has no note."""
+    late, in_time = RunTotals(seconds=10.0, played=1.0), RunTotals(seconds=10.0, played=9.9)
+    assert late.missed_rate(5000.0).startswith("missed the rate: 500 of 5000 datagrams a second")
+    assert in_time.missed_rate(5000.0) == ""
+
+
 @pytest.mark.slow
 def test_a_bridge_of_somebody_elses_gets_the_stream(peer: socket.socket, called: Called) -> None:
     """Without an account: who listens there is not known."""

@@ -97,6 +97,21 @@ def test_publishing_to_nobody_is_told(capsys: pytest.CaptureFixture[str]) -> Non
     assert errors == "no subscriber on drive_motor yet; publishing anyway\n"
 
 
+@needs_dds
+@pytest.mark.parametrize(
+    "words", ["imu_data --ros-args -r __ns:=/rover1", "/rover1/imu_data", "x --ros-args -r x:=/rover1/imu_data"]
+)
+def test_a_topic_in_a_namespace_needs_no_type(words: str, called: Called) -> None:
+    """The bridge's own arguments find the row's topic; where no row has it, its publisher tells the type."""
+    message = cdr.encode(ImuSensorInformation(accel_x=1.5))
+    with open_middleware("dds", NodeIdentity("bridge")) as bridge:
+        publisher = bridge.publisher("/rover1/imu_data", ImuSensorInformation, Qos("reliable", "transient_local"))
+        publisher.publish([message])
+        topic, *ros = words.split()
+        code, output, errors = called("echo", topic, "--json", "--count", 1, "--timeout", 60, *ros)
+    assert (code, json.loads(output or "{}").get("accel_x")) == (0, 1.5), errors
+
+
 @pytest.mark.parametrize("topic", ["imu_data", "/imu_data"])
 def test_a_rows_topic_has_the_rows_type_and_quality(topic: str) -> None:
     """With or without the leading slash, what the table says of the topic is what is published and subscribed."""

@@ -8,6 +8,7 @@ import json
 import re
 import socket
 import struct
+import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +16,7 @@ from typing import Any
 
 import pytest
 import websockets
-from linked import TABLE, write_project
+from linked import TABLE, linked_registry, write_project
 from needs import NO_FOXGLOVE, needs_dds
 from polling import wait_until
 from programs import Start
@@ -25,6 +26,7 @@ from running import Bridge, Called
 
 from generated.messages import ImuSensorInformation
 from generated.registry import REGISTRY
+from roverlink.generated_code import changed_sources
 from roverlink.runtime.core import cdr
 from roverlink.runtime.recording.message_definitions import definition_of
 
@@ -33,13 +35,15 @@ _TOP = ("top", "--once", "--middleware", "dds", "--timeout", 60)
 
 
 @contextlib.contextmanager
-def _speaking(port: int) -> Iterator[None]:
-    """A board that sends one IMU message after the other, fifty a second."""
-    datagram = REGISTRY.envelope(imu_info={"accel_x": 1.5}).SerializeToString()
+def _speaking(port: int, *others: str) -> Iterator[None]:
+    """A board that sends one IMU message after the other, fifty a second, and others that send these rows."""
+    payloads = [{"imu_info": {"accel_x": 1.5}}, *({name: {}} for name in others)]
+    datagrams = [REGISTRY.envelope(**payload).SerializeToString() for payload in payloads]
     sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
     def send(_: int) -> None:
-        sock.sendto(datagram, ("127.0.0.1", port))
+        for datagram in datagrams:
+            sock.sendto(datagram, ("127.0.0.1", port))
 
     with sock, repeated(send):
         yield
@@ -48,16 +52,21 @@ def _speaking(port: int) -> Iterator[None]:
 @pytest.mark.slow
 @needs_dds
 def test_top_shows_the_bridge(bridge: Bridge, start: Start, called: Called) -> None:
-    """As a page, and as JSON for scripts, from a second program; exit code 1 where no bridge is heard."""
+    """As a page, and as JSON for scripts, from a second program; exit code 1 while a board or peer has not spoken."""
     program, port = bridge(middleware="dds")
     with _speaking(port):
         live = start("top", "--middleware", "dds", "--json", "--timeout", 60)
         code, output, _ = called(*_TOP)
+        waiting = "/udp_forwarder  WAITING  no message yet from ArmBoard, DrivingBoard, basestation"
+        assert (code, output.splitlines()[0]) == (1, waiting)
+    with _speaking(port, "arm_pos", "drive_diag", "control_mode"):
+        code, output, _ = called(*_TOP)
         assert (code, output.splitlines()[0]) == (0, "/udp_forwarder  OK  nothing lost")
         assert re.search(r"13 +imu_info +hardware→ros +OK", output)
         code, output, _ = called(*_TOP, "--json")
-        row = next(row for row in json.loads(output)["rows"] if row["name"] == "imu_info")
-        assert (code, row["level"], row["number"], row["topic"]) == (0, "OK", 13, "imu_data")
+        state = json.loads(output)
+        row = next(row for row in state["rows"] if row["name"] == "imu_info")
+        assert (code, state["worst"]["level"], row["number"], row["topic"]) == (0, "OK", 13, "imu_data")
         assert row["count"] > 0
         live.wait_for('"node"', live.output)
         assert live.interrupt() == 0
@@ -99,6 +108,9 @@ def test_a_running_bridge_tells_what_it_does(bridge: Bridge) -> None:
         wait_until(lambda: _crossed(_families(page))["imu_info"] >= 10, "ten messages")
         families = _families(page)
         channels, message = asyncio.run(asyncio.wait_for(_foxglove(address), 60))
+        for headers in ({"Host": "evil.example"}, {"Origin": "https://evil.example"}, {"Origin": "null"}):
+            with pytest.raises(urllib.error.HTTPError, match="403"):
+                urllib.request.urlopen(urllib.request.Request(address.replace("ws:", "http:"), headers=headers))
     samples = {sample.name: sample.value for sample in families["roverlink_handling_seconds"].samples}
     assert samples["roverlink_handling_seconds_count"] >= 10
     assert {channel["topic"] for channel in channels} == {f"/{topic}" for topic in REGISTRY.by_topic}
@@ -151,19 +163,51 @@ def test_doctor_finds_what_is_wrong(called: Called, peer: socket.socket) -> None
 
 
 @pytest.mark.slow
-def test_doctor_warns_if_the_table_was_changed_and_not_generated(done: Start, tmp_path: Path) -> None:
+def test_the_user_is_warned_if_the_table_was_changed_and_not_generated(
+    done: Start, start: Start, tmp_path: Path
+) -> None:
     """The bridge uses the generated code, so a row or a host that is only in the table has no effect."""
     project = write_project(tmp_path / "rover")
     for changed, says in (
         ("topic: mode", ""),
-        ("topic: wanted_mode", "the generated code is not that of this table"),
         ("topc: mode", "the table has errors, so it was not compared with the generated code"),
+        ("topic: wanted_mode", "the generated code is not that of this table"),
     ):
         (project / "mapping.yaml").write_text(TABLE.replace("topic: mode", changed), encoding="utf-8")
         found = json.loads(done("doctor", "--json", "--project", project, "--ros-args", "-p", "listen_port:=0")[1])
         said = "".join(one["says"] for one in found if one["check"] == "mapping.yaml")
         assert says in said
         assert bool(says) == bool(said)
+    program = start("run", "--middleware", "memory", "--project", project, "--ros-args", "-p", "listen_port:=0")
+    program.wait_for("the generated code is that of an earlier state of mapping.yaml; run `roverlink generate`")
+    assert program.interrupt() == 0
+
+
+_PROTO = "proto/linked/messages.proto"
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "is_old"),
+    [
+        ("mapping.yaml", "version: 1", "version: 1  # the first", False),
+        ("mapping.yaml", "topic: mode", "topic: wanted_mode", True),
+        ("mapping.yaml", "version: 1", "version: [", True),
+        ("mapping.yaml", "version: 1", "version: &a [*a]", True),
+        (_PROTO, ";\n", ";  // the end\n", False),
+        (_PROTO, "= 1;", "=1 /* 2 */;", False),
+        (_PROTO, "= 1;", "= 2;", True),
+    ],
+)
+def test_code_is_old_if_a_value_or_a_token_has_changed(
+    tmp_path: Path, file: str, old: str, new: str, is_old: bool
+) -> None:
+    """Comments and layout make no difference. Nor does a file that is missing, as on a rover without the sources."""
+    project, registry = write_project(tmp_path / "rover"), linked_registry()
+    path = project / file
+    path.write_text(path.read_text().replace(old, new))
+    assert changed_sources(project, registry) == ([file] if is_old else [])
+    path.unlink()
+    assert changed_sources(project, registry) == []
 
 
 @pytest.mark.slow

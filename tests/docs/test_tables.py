@@ -112,7 +112,7 @@ def test_the_reference_of_the_tracker_lists_the_parameters() -> None:
 
 def test_field_day_lists_the_alarms() -> None:
     """Each kind of alarm that the page of the link can show."""
-    kinds = re.findall(r'(?:found\[f?|subject = f)"(\w+)', _page("roverlink/link_page/link_alarms.py"))
+    kinds = re.findall(r'yield f?"(\w+)', _page("roverlink/link_judgement.py"))
     listed = re.findall(r"^\| `(\w+)[^|]*` *:?[^|]* \|", _page("docs/field-day.md"), re.MULTILINE)
     assert set(kinds) == set(listed)
 

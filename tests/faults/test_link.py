@@ -12,6 +12,9 @@ from relay import Relay
 
 from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos
+from roverlink.runtime.bridge.account import Account, ThrottledWarnings
+from roverlink.runtime.bridge.network_watch import NetworkWatch
+from roverlink.runtime.middleware.joined_addresses import JoinedAddresses
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters
 
@@ -137,3 +140,29 @@ def test_a_board_that_is_not_there_yet(network: Network) -> None:
         assert rig.account.failed["drive_motor"] == 1
         ip("-n", network.rover, "address", "add", f"{ROVER}/24", "dev", "cable")
         rig.reach_board(2.0)
+
+
+@pytest.mark.parametrize("reach", ["SUBNET", "LOCALHOST"])
+def test_a_network_that_changes_after_the_start_is_told(
+    network: Network, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, reach: str
+) -> None:
+    """ROS 2 never uses an address that comes later, which concerns only who speaks with other computers."""
+    monkeypatch.delenv("ROS_LOCALHOST_ONLY", raising=False)
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", reach)
+    joined, account = inside(network.rover, JoinedAddresses), Account()
+    watch = NetworkWatch(
+        lambda: inside(network.rover, joined.changes), account, ThrottledWarnings(logging.getLogger("x"), lambda: 0.0)
+    )
+    for change, told in (
+        ("link add late type veth peer name other", ""),
+        ("address add 10.9.0.1/24 dev late", ""),
+        ("link set late up", "(new: 10.9.0.1 of late)"),
+        ("link del late", ""),
+        ("link del cable", f"(lost: {ROVER} of cable)"),
+    ):
+        ip("-n", network.rover, *change.split())
+        watch.run_due(watch.next_due)
+        standing = account.standing.get("network", "")
+        assert told in standing or reach == "LOCALHOST", change
+        assert bool(standing) == (bool(told) and reach == "SUBNET"), change
+    assert ("restart the program" in caplog.text) == (reach == "SUBNET")

@@ -221,8 +221,12 @@ def _check_refusals(handler: Any, conversion: Conversion) -> None:
 
 def serve() -> None:
     """Check each project that is named, until there is no more."""
-    for line in sys.stdin:
+    # The generator loads its templates, and Hypothesis the constants of all modules, once for all forks.
+    settings(max_examples=9, database=None)(given(st.integers() | st.text() | st.floats())(lambda _: None))()
+    for number, line in enumerate(sys.stdin):
         examples, _, project = line.rstrip("\n").partition(" ")
+        if number == 0:
+            compile_table(Path(project, "mapping.yaml"))
         child = os.fork()
         if not child:
             suppressed = {"database": None, "deadline": None, "suppress_health_check": list(HealthCheck)}

@@ -203,6 +203,7 @@ message Gps { float x = 1; }
 message Body { oneof payload { Imu imu = 1; Gps gps = 2; Other other = 3; } }
 message Other { float x = 1; }
 message Batch { map<string, Body> bodies = 1; }
+message Match { oneof match { Match not = 1; Frame a = 2; Imu b = 3; Gps c = 4; } }
 message Frame { oneof kind { Batch batch = 1; Imu ping = 2; } oneof trailer { Gps place = 3; } }
 """
 
@@ -211,7 +212,7 @@ def test_the_outermost_message_is_the_envelope(tmp_path: Path) -> None:
     """Also where a larger oneof is inside a payload of it; the table names what else it could be."""
     plant(tmp_path / "protos", {"frame.proto": _NESTED})
     adoption = _adopted(tmp_path)
-    assert "  message: Frame  # guessed: it could be Body; the oneof could be trailer\n" in _table(adoption)
+    assert "  message: Frame  # guessed: it could be Body or Match; the oneof could be trailer\n" in _table(adoption)
     assert (
         "guessed"
         not in _table(_adopted(tmp_path, message="Frame", oneof="kind")).partition("ros:")[0].partition("root:")[2]
@@ -221,7 +222,7 @@ def test_the_outermost_message_is_the_envelope(tmp_path: Path) -> None:
 _AWKWARD = {
     "a/status.proto": 'syntax = "proto3";\npackage a;\nmessage Status { Part p = 1; }\nmessage Part { int32 x = 1; }\n',
     "b/status.proto": 'syntax = "proto3";\npackage b;\nmessage Status { int32 On = 1; int32 on_ = 2; }\n',
-    "c.proto": 'syntax = "proto3";\nmessage motor_state { Node tree = 1; }\nmessage Node { Node next = 1; }\n',
+    "c.proto": 'syntax = "proto3";\nmessage motor_state { Node tree = 1; }\nmessage Node { Node next = 1; }  // \x1b\n',
     "envelope.proto": """
 syntax = "proto3";
 import "a/status.proto";
@@ -251,6 +252,7 @@ def test_names_that_ros_refuses_are_replaced(tmp_path: Path) -> None:
     assert {rows["off"].ros, rows["status"].ros} & {"AStatus", "BStatus"}
     assert rows["off"].ros == rows["again"].ros
     assert all(text in _table(adoption) for text in ('name: "off"', "# \\x1b[2J\n", '- "rtl\\u202e\\x1b.proto"\n'))
+    assert not any("\x1b" in text for text in adoption.compiled.files.values())
 
 
 _FAULTY = {"envelope.proto": """

@@ -211,7 +211,7 @@ def test_patterns_match_the_names_that_nanopb_gives(tmp_path: Path, option: str,
     inner = "B" if "FLATTEN" in option else "A_B"
     assert both.ours("p.q.A") == both.headers.size(name.format("A")) == 6
     assert both.ours("p.q.A.B") == both.headers.size(name.format(inner)) == 15
-    assert [finding.span.line for finding in both.findings] == [3]
+    assert [place.line for _, _, place in both.bounds.unused] == [3]
 
 
 _REFUSED = [
@@ -452,7 +452,8 @@ def test_lines_are_read_as_nanopb_reads_them(tmp_path: Path, line: str) -> None:
         except SystemExit:
             assert [finding.rule.id for finding in findings] == ["NPB101"]
             return
-    assert [finding.rule.id for finding in findings] == ["NPB102"] * ("did not match" in headers.complaints)
+    assert not findings
+    assert len(bounds.unused) == ("did not match" in headers.complaints)
     _Both(schema, bounds, findings, headers).compare(["a.proto"])
     assert not complaints.getvalue()
 
@@ -469,7 +470,6 @@ def test_findings_say_what_is_wrong_with_a_line(tmp_path: Path) -> None:
         "p.q.M.s",
         "p.q.M.s max_size:5 max_sise:4",
         "*.r /* n */ max_count:-1",
-        " p.q.M.x max_size:1",
         "*.r max_count:x",
     ]
     assert _found(tmp_path, {"a.proto": _HOST, "a.options": "\n".join(lines)}) == [
@@ -477,9 +477,7 @@ def test_findings_say_what_is_wrong_with_a_line(tmp_path: Path) -> None:
         "  help: for example, write `p.q.M.s max_size:16`",
         "proto/a.options:2:20: error[NPB101] nanopb has no option 'max_sise'\n  help: did you mean 'max_size'?",
         "proto/a.options:3:1: error[NPB101] the option 'max_count' cannot be -1",
-        "proto/a.options:5:15: error[NPB101] Couldn't parse integer: x",
-        "proto/a.options:4:2: warning[NPB102] no name in a.proto matches 'p.q.M.x'\n"
-        "  help: write the full name, with the package: pkg.Message.field",
+        "proto/a.options:4:15: error[NPB101] Couldn't parse integer: x",
     ]
 
 
@@ -508,19 +506,19 @@ def test_a_file_that_cannot_be_read_is_a_finding(tmp_path: Path) -> None:
 def test_options_without_nanopb_are_one_finding(
     tmp_path: Path, files: Mapping[str, str], expected: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Where nanopb is not installed, options are reported once with the command that installs it; else all is read."""
+    """Without nanopb, its options are one finding, which is fatal only if sizes are limited; else all is read."""
     schema, findings = _schema(tmp_path, files, "--include_source_info"), list[Diagnostic]()
     vocabulary.cache_clear()
     monkeypatch.setattr("roverlink.generator.nanopb.vocabulary.find_spec", lambda name: None)
-    bounds = read_bounds(schema, tmp_path, "proto", findings)
+    bounds = [read_bounds(schema, tmp_path, "proto", findings, needed=needed) for needed in (True, False)]
     vocabulary.cache_clear()
-    assert (bounds is None) is bool(expected)
-    assert [finding.render() for finding in findings] == [
-        f"{place}: fatal[NPB105] the sizes of messages depend on options of nanopb, but nanopb is not installed\n"
+    assert (bounds == [None, None]) is bool(expected)
+    said = (
+        "nanopb is not installed, so its options were not read, and no sizes were checked\n"
         "  help: install nanopb: pip install 'nanopb>=0.4.9,<0.5'"
-        for place in [expected]
-        if place
-    ]
+    )
+    levels = ("fatal", "hint") if expected else ()
+    assert [finding.render() for finding in findings] == [f"{expected}: {level}[NPB105] {said}" for level in levels]
 
 
 def _with_options(schema: Schema, options: bytes) -> tuple[Bounds, list[str]]:

@@ -152,7 +152,7 @@ def test_a_board_that_must_sign(tmp_path: Path) -> None:
     firmware, envelope = _of_notes(tmp_path, table, "-DSIGNED", "-DSIGNATURE_TAG=Envelope_signature_tag")
     clock = SigningClock()
     signer = Signer(23, Key(2, "ros", bytes([2] * 32)), clock)
-    verifier = Verifier(23, [(Key(1, "board", bytes([1] * 32)), clock.last)], clock)
+    verifier = Verifier(23, [(Key(1, "board", bytes([1] * 32)), clock.last, clock)])
     notes = [envelope(note={"text": "x" * length, "samples": [length]}).SerializeToString() for length in range(20)]
     signed = [signer.sign(note) for note in notes]
     sent = [strip_trailing_zeros(datagram) + bytes(place % 3 * 7) for place, datagram in enumerate(signed)]

@@ -106,6 +106,8 @@ def test_loss_round_trip_and_offset_of_a_board_are_measured(board: _Board) -> No
         received += turn == 0
     assert (statistics.inbound.lost, statistics.outbound.lost) == (2, 0)
     assert (statistics.round_trip_us, statistics.clock_offset_us) == (2 * way_us, ahead_us)
+    others = (LinkWriter(linked_registry().envelope, session, {1: 1}).write(1) for session in (97, 98))
+    assert [board.take(20_000_000, other) for other in others] == [True, False]  # at most one answer in a second
 
 
 @pytest.mark.slow

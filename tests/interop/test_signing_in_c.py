@@ -86,7 +86,7 @@ def test_c_agrees_with_python_about_random_datagrams(in_c: Filter) -> None:
         changed[random.randrange(len(datagram), len(changed))] ^= 1 << random.randrange(8)
         for received in (signed[-1] + bytes(length % 5), bytes(changed), signed[-1][: random.randrange(len(changed))]):
             verifies.append(("verify", 23, key.id, key.secret.hex(), last - 1, received.hex()))
-            verifier = Verifier(23, [(key, last - 1)], SigningClock(last - 1, wall=lambda: 0, steady=lambda: 0))
+            verifier = Verifier(23, [(key, last - 1, SigningClock(last - 1, wall=lambda: 0, steady=lambda: 0))])
             verdicts.append(_verdict(verifier, received))
     assert in_c(signs) == [one.hex() for one in signed]
     assert in_c(verifies) == verdicts

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
@@ -32,7 +33,28 @@ return blue;
 """
 
 
+BROKEN_WORDS = """
+const broken = [];
+const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+while (texts.nextNode()) {
+  if (!texts.currentNode.parentElement.checkVisibility()) continue;
+  for (const word of texts.currentNode.textContent.matchAll(/[\\w.]+/g)) {
+    const range = document.createRange();
+    range.setStart(texts.currentNode, word.index);
+    range.setEnd(texts.currentNode, word.index + word[0].length);
+    if (new Set([...range.getClientRects()].map((part) => part.top)).size > 1) broken.push(word[0]);
+  }
+}
+return broken;
+"""
 FITS = "return document.documentElement.scrollWidth <= document.documentElement.clientWidth"  # without the scroll bar
+
+
+def _worst(visitor: Visitor) -> str:
+    """The head of the page, which shows the worst of everything; the icon has the same sign."""
+    sign = visitor.text("#level")
+    assert f">{sign[0]}<" in unquote(visitor.run("return document.getElementById('icon').href"))
+    return f"{sign}: {visitor.text('#worst')}"
 
 
 def test_an_operator_watches_a_drive(visitor: Visitor) -> None:
@@ -52,13 +74,18 @@ def test_an_operator_watches_a_drive(visitor: Visitor) -> None:
         before = visitor.run("return beeps")
         link.driver_speaks = False
         visitor.until(lambda: "stop drive_motor" in visitor.text("#alarms"))
-        assert "told to stop" in visitor.text("#peers")
+        assert "told to stop: drive_motor" in visitor.text("#peers")
+        assert "at rest, no command yet: arm_ctrl" in visitor.text("#peers")
+        assert _worst(visitor).startswith("✕ ERROR: no command drive_motor for ")
         assert "STOP" in visitor.text("#rows [data-key='drive_motor'] .state")
         visitor.until(lambda: visitor.run("return beeps") > before)
-        assert visitor.run("return document.title").startswith("(1) ")
+        assert visitor.run("return document.title").startswith("(1) ✕ ERROR ")
+        assert visitor.run(BROKEN_WORDS) == []
 
         link.driver_speaks = True
         visitor.until(lambda: "is over" in visitor.text("#alarms"))  # latched, although the commands are back
+        assert visitor.count("#alarms li.over") == 1
+        assert _worst(visitor) == "… WAITING: no message yet from basestation"
         visitor.click("#alarms button")
         visitor.until(lambda: visitor.shown("#no-alarms"))
         visitor.open(link.url)
@@ -86,14 +113,30 @@ def test_the_page_fits_screens(visitor: Visitor, width: int) -> None:
         assert visitor.complaints() == []
 
 
-def test_a_bridge_that_ends_is_noticed(visitor: Visitor) -> None:
-    """The page says that it has no connection; it does not go on showing old numbers as live."""
+def test_what_falls_silent_is_not_green(visitor: Visitor) -> None:
+    """The head, the peers and the rows show the boards as silent and as alive, and the log tells when.
+
+    Without the bridge, nothing is known: the page does not go on showing old numbers as live.
+    """
     with watched_link() as link:
         visitor.open(link.url)
-        visitor.until(lambda: visitor.text("#connection") == "live")
+        visitor.until(lambda: _worst(visitor) == "… WAITING: no message yet from hardware, basestation")
+        assert visitor.count(".OK, .alive") == 0
+        link.boards_speak = True
+        visitor.until(lambda: visitor.count("#rows .OK") and visitor.count("#peers .alive"))
+        link.boards_speak = False
+        visitor.until(lambda: _worst(visitor).startswith("✕ ERROR: hardware is silent: no message for "))
+        assert visitor.count(".OK, .alive") == 0
+        visitor.until(lambda: "DrivingBoard of hardware fell silent: no message for" in visitor.text("#log"))
+        link.boards_speak = True
+        visitor.until(lambda: "DrivingBoard of hardware speaks again after" in visitor.text("#log"))
+        visitor.until(lambda: visitor.count("#rows .OK"))
     started = time.monotonic()
     visitor.until(lambda: "NO CONNECTION" in visitor.text("#connection"))
     assert time.monotonic() - started < 20
+    visitor.until(lambda: visitor.count(".OK, .alive") == 0)
+    assert _worst(visitor).startswith("? UNKNOWN: no connection to the bridge's page: all of this is old, from ")
+    assert visitor.run("return document.title").startswith("(1) ? UNKNOWN ")
 
 
 def test_whoever_has_the_token_acts(visitor: Visitor, tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ def _ids(events: Events, count: int) -> list[str]:
     """The names of the bridges in the list, as soon as it has so many that report."""
 
     def complete(content: dict[str, Any]) -> bool:
-        return len(content["bridges"]) == count and all(bridge["level"] for bridge in content["bridges"])
+        return len(content["bridges"]) == count and all(bridge["place"] for bridge in content["bridges"])
 
     return [bridge["id"] for bridge in events.until("bridges", complete)["bridges"]]
 
@@ -41,7 +41,9 @@ def test_each_browser_selects_its_bridge(page: FollowedPage) -> None:
             assert events.next("page")["bridge"] == f"/{name}"
             assert events.alarm("peer hardware")["bridge"] == "/two"
         with Events(page.url, asked) as events:
-            assert _ids(events, 2) == ["/one", "/two"]
+            heard = events.next("bridges")
+            levels = {bridge["id"]: bridge["worst"]["level"] for bridge in heard["bridges"]}
+            assert (levels, heard["worst"]["level"]) == ({"/one": "WAITING", "/two": "ERROR"}, "ERROR")
             assert events.next("state")["node"]["name"] == name
 
 

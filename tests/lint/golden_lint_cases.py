@@ -97,7 +97,7 @@ class LintCase:
         files = {path: text if "." in path else text and unfold(text) for path, text in given.items()}
         if _has_table(state):
             table = self._table(state)
-            files = {**_protos(yaml.safe_load(table), files), "mapping.yaml": table}
+            files = {**_protos(yaml.load(table, yaml.CSafeLoader), files), "mapping.yaml": table}
         if ledger := state.get("ledger"):
             ledgers = self.family.get("ledgers", {})
             files["mapping.lock"] = ledgers.get(ledger) or (_LEDGERS / f"{ledger}.lock").read_text(encoding="utf-8")
@@ -135,7 +135,7 @@ def _protos(table: dict[str, Any], given: dict[str, str]) -> dict[str, str]:
 
 def lint_cases() -> list[LintCase]:
     """Read all cases, sorted by family."""
-    files = {file: yaml.safe_load(file.read_text(encoding="utf-8")) for file in sorted(_CASES.glob("*.yaml"))}
+    files = {file: yaml.load(file.read_bytes(), yaml.CSafeLoader) for file in sorted(_CASES.glob("*.yaml"))}
     return [
         LintCase(name, file, family, entry) for file, family in files.items() for name, entry in family["cases"].items()
     ]

@@ -246,19 +246,6 @@ def test_each_kind_of_finding_is_accepted(tree: Repository) -> None:
 
 
 @pytest.mark.slow
-def test_a_reuse_that_was_corrected_has_a_way_out(tree: Repository) -> None:
-    """A reuse that was committed and taken back is reported with the command that settles it."""
-    tree.commit(*_FIRST)
-    tree.commit("Imu imu = 1;", "Wind wind = 2;", "Ph ph = 3;")
-    tree.commit(*_FIRST)
-    (found,) = tree.findings()
-    assert "`roverlink lint --history protos --accept rover.Env:2`" in found["help"]
-    assert tree.lint("--accept", "2")[0] == 0
-    assert "  rover.Env 2: rover.Gps gps now | rover.Wind wind\n" in tree.ledger.read_text()
-    assert tree.lint()[0] == 0
-
-
-@pytest.mark.slow
 def test_a_rename_is_one_meaning(project: Repository) -> None:
     """A rename that the lint takes for another meaning passes `generate` and `--against` once it is accepted."""
     assert project.lint("--accept")[0] == 0

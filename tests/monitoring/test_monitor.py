@@ -17,8 +17,7 @@ from rich.console import Console
 from generated.registry import REGISTRY
 from roverlink import standard_types, top_screen
 from roverlink.console import LOG_FORMATS
-from roverlink.heard_bridges import HeardBridge, HeardBridges, has_problems, state_of
-from roverlink.link_page.link_alarms import peers_of
+from roverlink.heard_bridges import HeardBridge, HeardBridges, state_of
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.bridge.ends import LinkState
@@ -30,6 +29,7 @@ from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, KeyValue
 from roverlink.runtime.monitoring import diagnostic_array, prometheus
 from roverlink.runtime.monitoring.histogram import BOUNDS_S, LatencyProbe
+from roverlink.runtime.monitoring.liveness import Liveness, SilenceLog
 from roverlink.runtime.monitoring.monitor import Monitor
 from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
@@ -130,7 +130,7 @@ def test_what_is_dropped_is_a_warning_for_two_seconds_and_an_error_where_nothing
     assert (bridge.row("drive_motor").level, bridge.row("drive_motor").dropped) == (Level.ERROR, {"refused": 1})
     assert (bridge.monitor.state().level, bridge.monitor.state().message) == (
         Level.WARN,
-        "4 datagrams or messages lost in the last 2 s",
+        "datagrams or messages lost in the last 2 s: conversion 3, refused 1",
     )
     bridge.let(3, imu_info=40)
     assert (bridge.row("imu_info").level, bridge.row("imu_info").dropped) == (Level.OK, {"conversion": 3})
@@ -158,17 +158,34 @@ def test_stops_of_the_deadman() -> None:
 
 
 def test_what_concerns_the_whole_bridge_is_told_of_it() -> None:
-    """A node whose QoS does not match is a warning, of which its row says why; a recording that has ended an error."""
+    """A node whose QoS does not match is a warning, of which its row says why; a recording that has ended an error.
+
+    If the kernel drops datagrams, it is the computer that cannot keep up: an error if most are lost.
+    """
     bridge = _Bridge(imu_info=40)
     bridge.let(3, imu_info=40)
     bridge.account.qos_mismatches = {"imu_data": ["a subscription of /viz gets no messages"], "imu/mag": ["another"]}
     row = bridge.row("imu_info")
     assert (row.level, row.message, row.qos_mismatches) == (Level.WARN, "a subscription of /viz gets no messages", 1)
     state = bridge.monitor.state()
-    assert (state.level, state.message) == (Level.WARN, "the QoS of other nodes does not match on imu_data, imu/mag")
+    assert (state.level, state.message) == (
+        Level.WARN,
+        "the QoS of other nodes does not match on imu_data, imu/mag; change the QoS of one side",
+    )
+    bridge.account.standing = {"generated code": "the generated code is old", "network": ""}
+    assert bridge.monitor.state().message == "the generated code is old"
     bridge.recording = Recording("run.mcap", 0, 7, 1000, "No space left on device")
     state = bridge.monitor.state()
     assert (state.level, state.message) == (Level.ERROR, "the recording stopped: No space left on device")
+    bridge.recording = None
+    for drops, level, lost in ((1, Level.WARN, "1 %"), (124, Level.ERROR, "61 %")):
+        bridge.kernel_drops += drops
+        bridge.let(0.25, imu_info=40)
+        state = bridge.monitor.state()
+        assert state.message.startswith(
+            f"this computer cannot keep up: {lost} of the datagrams lost in the last 2 s; end"
+        )
+        assert state.level == level
 
 
 def _lines(shown: Any, width: int) -> list[str]:
@@ -203,7 +220,6 @@ def test_what_the_link_messages_tell_is_in_the_diagnostics_and_on_the_screen_of_
     array = diagnostic_array.array_of(bridge.monitor.state(), _STAMP, {})
     state = state_of(array)
     assert state is not None
-    assert has_problems(state)
     assert len(state["rows"]) == len(REGISTRY.handlers)
     board, base = state["links"]
     told = {"name": "Drive of hardware", "level": "WARN", "message": "another schema of drive_motor, drive_diag"}
@@ -246,7 +262,7 @@ def _busy() -> State:
     """A bridge that has a bit of everything."""
     bridge = _Bridge(imu_info=40, gps_info=4, ph_info=1)
     bridge.account.forwarded["basestation"] = 180
-    bridge.account.unsent["basestation"] = 2
+    bridge.account.unsent["basestation"], bridge.account.clocks_ahead["ArmBoard"] = 2, 3
     bridge.kernel_drops = 11
     bridge.account.dropped.update({"malformed": 4, "wrong_direction": 5, "conversion": 3})
     bridge.account.dropped_of_row.update({("arm_ctrl", "wrong_direction"): 5, ("imu_info", "conversion"): 3})
@@ -270,7 +286,6 @@ def test_the_page_of_top(request: pytest.FixtureRequest) -> None:
     if request.config.getoption("--update-cases"):
         _SCREEN.write_text(shown, encoding="utf-8")
     assert shown == _SCREEN.read_text(encoding="utf-8")
-    assert has_problems(state)
 
 
 def _array(name: str, **origin: Any) -> DiagnosticArray:
@@ -377,11 +392,11 @@ def test_rows_are_sorted_and_filtered() -> None:
     assert names("s") == everything
     assert names("S")[0] == "imu_info"
     assert names("s") == everything
-    assert names("p") == ["ph_info", "arm_ctrl", "gps_info", "imu_info"]
+    assert names("p") == ["ph_info", "gps_info", "imu_info"]
     assert names("down", "/", *"IMUx", "backspace", "enter") == ["imu_info"]
     assert names("/", *"q", "enter") == []
     assert names("escape") == everything
-    assert view.row == "arm_ctrl"
+    assert view.row == "gps_info"
     assert not view.press("q", [])
 
 
@@ -414,6 +429,8 @@ def test_prometheus_reads_the_metrics() -> None:
     assert rates["imu_info"] == 20
     (mismatch,) = families["roverlink_qos_mismatches"].samples
     assert (mismatch.labels, mismatch.value) == ({"topic": "gps_data"}, 1)
+    (ahead,) = families["roverlink_clocks_ahead"].samples
+    assert (ahead.labels, ahead.value) == ({"signer": "ArmBoard"}, 3)
     (drop,) = families["roverlink_row_dropped"].samples
     assert (drop.labels["row"], drop.labels["reason"], drop.value) == ("imu_info", "conversion", 3)
     stops = {sample.labels["row"]: sample.value for sample in families["roverlink_stops"].samples}
@@ -436,6 +453,9 @@ def test_metrics_are_served() -> None:
         with urllib.request.urlopen(f"http://127.0.0.1:{server.port}/metrics") as answer:
             assert answer.headers["Content-Type"] == prometheus.CONTENT_TYPE
             assert answer.read().decode() == prometheus.text_of(state)
+        stranger = urllib.request.Request(f"http://127.0.0.1:{server.port}/metrics", headers={"Host": "evil.example"})
+        with pytest.raises(urllib.error.HTTPError, match="403"):
+            urllib.request.urlopen(stranger)
         with pytest.raises(urllib.error.HTTPError, match="404"):
             urllib.request.urlopen(f"http://127.0.0.1:{server.port}/nothing")
         with pytest.raises(SetupError, match=f"cannot serve the metrics on TCP port {server.port} of 127.0.0.1"):
@@ -456,8 +476,13 @@ def test_records_as_json(caplog: pytest.LogCaptureFixture) -> None:
     assert said == {"level": "warning", "logger": "test_monitor", "message": 'dropped: "nothing"\nat all', **facts}
 
 
-def test_the_silent_board_is_named_with_its_address() -> None:
-    """A status for each peer and board: alive, silent, unreachable, or with an address yet to be learned."""
+def test_the_silent_board_is_named_with_its_address(caplog: pytest.LogCaptureFixture) -> None:
+    """A status for each peer and board: alive, silent, unreachable, or with an address yet to be learned.
+
+    The log tells a silence and its end.
+    """
+    log = SilenceLog(logging.getLogger("test_monitor"))
+    caplog.set_level(logging.INFO)
     bridge = _Bridge()
     arm, driving, sensor = (EndName("hardware", board) for board in ("ArmBoard", "DrivingBoard", "SensorBoard"))
     links = {
@@ -490,7 +515,7 @@ def test_the_silent_board_is_named_with_its_address() -> None:
     }
     state = state_of(array)
     assert state is not None
-    peers = {peer["name"]: peer for peer in peers_of(state["node"], state["rows"], state["ends"])}
+    peers = {peer["name"]: peer for peer in state["peers"]}
     boards = {board["name"]: (board["address"], board["link"]) for board in peers["hardware"]["boards"]}
     assert boards["ArmBoard"] == ("192.168.0.21:8", "ok")
     assert boards["SensorBoard"] == ("", "not_learned")
@@ -498,3 +523,18 @@ def test_the_silent_board_is_named_with_its_address() -> None:
     samples = prometheus.text_of(monitor.state())
     assert 'roverlink_silent{board="ArmBoard",peer="hardware"} 1.0' in samples
     assert 'roverlink_link_ok{board="SensorBoard",peer="hardware"} 0.0' in samples
+    log.take({end.end: end.liveness for end in monitor.state().ends})
+    bridge.account.published.update(arm_feedback=1)
+    monitor.sample()
+    log.take({end.end: end.liveness for end in monitor.state().ends})
+    alive, silent = Liveness("alive", 0.0, 3.0), Liveness("silent", 4.0, 3.0)
+    for one in (silent, silent, alive):
+        log.take({EndName("hardware"): one, arm: one, driving: one, EndName("basestation"): one})
+    lines = [
+        "ArmBoard of hardware fell silent: no message for 5.0 s",
+        "ArmBoard of hardware speaks again after 5 s of silence",
+    ]
+    for name in ("basestation", arm, driving):
+        lines.append(f"{name} fell silent: no message for 4.0 s")
+    lines += [f"{name} speaks again after 4 s of silence" for name in ("basestation", arm, driving)]
+    assert [record.getMessage() for record in caplog.records] == lines

@@ -17,7 +17,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import zstandard
+from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
+from mcap.records import Chunk
 from mcap.stream_reader import StreamReader
 from polling import wait_until
 from rosbags.highlevel import AnyReader
@@ -27,7 +30,7 @@ from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.core import cdr
-from roverlink.runtime.recording.mcap_file import Channel, McapFile
+from roverlink.runtime.recording.mcap_file import MAGIC, Channel, McapFile
 from roverlink.runtime.recording.reader import Recording
 from roverlink.runtime.text.values import message_to_values
 
@@ -329,3 +332,25 @@ def test_any_cut_and_any_damage_is_read_up_to_there_or_told(tmp_path: Path) -> N
     path.unlink()
     with pytest.raises(SetupError, match=r"run\.mcap: no such file"):
         Recording(path)
+
+
+@pytest.mark.parametrize(
+    ("size", "zeros", "length", "said"),
+    [
+        (65 << 20, 65 << 20, None, "chunks of more than 67108864 bytes are not read"),
+        (100, 65 << 20, None, "chunks of more than 67108864 bytes are not read"),
+        (101, 100, None, "the size or the checksum of a chunk is wrong"),
+        (100, 100, b"\xff" * 8, ""),
+    ],
+)
+def test_a_chunk_that_no_memory_holds_is_refused(
+    tmp_path: Path, size: int, zeros: int, length: bytes | None, said: str
+) -> None:
+    """A small file says how large its content is, or lies about it."""
+    chunk, path = RecordBuilder(), tmp_path / "bomb.mcap"
+    Chunk("zstd", zstandard.compress(bytes(zeros)), 0, 0, 0, size).write(chunk)
+    record = bytearray(chunk.end())
+    record[45:53] = length or record[45:53]  # of the data
+    path.write_bytes(MAGIC + record)
+    with pytest.raises(SetupError, match=f": the file is damaged: .*{said}"):
+        list(Recording(path).messages())

@@ -1,7 +1,7 @@
 """What rosidl reads in .msg texts, for a Python that has its modules: JSON in, JSON out.
 
-On standard input, ``{"package/Name": text}``; on the last line of standard output, what rosidl's parser of .idl files
-has of each, after its adapter made an .idl file of the text.
+On standard input, ``{project: {"package/Name": text}}``; on the last line of standard output, what rosidl's parser of
+.idl files has of each, after its adapter made an .idl file of the text.
 """
 
 import json
@@ -31,11 +31,11 @@ def comment(member):
     return said[0]["text"] if said else ""
 
 
-def main():
-    """Read all of them."""
+def read(texts):
+    """What rosidl reads in the texts of a project."""
     said = {}
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in json.load(sys.stdin).items():
+        for name, text in texts.items():
             package, _, message = name.partition("/")
             base = Path(folder, package)
             (base / "msg").mkdir(parents=True, exist_ok=True)
@@ -49,7 +49,8 @@ def main():
                 "comments": {member.name: comment(member) for member in found.structure.members},
                 "constants": [[constant.name, constant.value] for constant in found.constants],
             }
-    print(json.dumps(said))
+    return said
 
 
-main()
+said = {project: read(texts) for project, texts in json.load(sys.stdin).items()}
+print(json.dumps(said))

@@ -18,7 +18,6 @@ from building import missing  # noqa: E402
 from golden import case  # noqa: E402
 from needs import NO_ROS  # noqa: E402
 
-_SOME = ("cpp_handlers", "standard_lists", "well_known")
 _OTHERS = (
     *("any_of", "awkward_names", "enums", "maps", "nested", "oneofs", "presence", "scalars", "standard_absences"),
     *("standard_axes", "standard_enums", "standard_euler", "standard_own_messages", "standard_times", "standard_units"),
@@ -30,7 +29,7 @@ _OTHERS = (
 @pytest.mark.parametrize(
     "name",
     [
-        *(pytest.param(name, marks=pytest.mark.slow) for name in _SOME),
+        pytest.param("cpp_handlers", marks=pytest.mark.slow),
         *(pytest.param(name, marks=pytest.mark.exhaustive) for name in _OTHERS),
     ],
 )

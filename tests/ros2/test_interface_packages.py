@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from golden import ROOT
+from linked import PROTO, write_project
 from needs import NO_RCLPY
 from programs import Start
 
@@ -53,6 +56,20 @@ def test_doctor_accepts_the_package_that_was_built(done: Start) -> None:
     """`roverlink doctor` finds no difference right after the build."""
     _, output, _ = done("doctor", "--ros-args", "-p", "listen_port:=0")
     assert "interfaces: the installed ROS 2 package comms has the generated messages" in output, output
+
+
+def test_cmake_accepts_a_package_with_a_time(tmp_path: Path) -> None:
+    """The wheels of the packages on which it depends name folders that do not exist."""
+    field, syntax = "google.protobuf.Timestamp angle = 1;", 'syntax = "proto3";'
+    proto = PROTO.replace("float angle = 1;", field).replace(
+        syntax, f'{syntax}\nimport "google/protobuf/timestamp.proto";'
+    )
+    (cmake_lists,) = write_project(tmp_path / "rover", proto=proto).rglob("CMakeLists.txt")
+    prefix = (f"-DCMAKE_PREFIX_PATH={sys.prefix}", f"-DPython3_EXECUTABLE={sys.executable}")
+    command = ["cmake", "-S", str(cmake_lists.parent), "-B", str(tmp_path / "build"), "-DBUILD_TESTING=OFF", *prefix]
+    done = subprocess.run([*command, f"-DPYTHON_EXECUTABLE={sys.executable}"], capture_output=True, text=True)
+    assert "find_package(builtin_interfaces" in cmake_lists.read_text()
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_missing_standard_package_is_told(done: Start) -> None:

@@ -104,7 +104,7 @@ def test_what_cannot_be_set_is_refused(judge: Judge, bridge: Start) -> None:
         ("forward_policy", "none", "it must be one of mapping, all"),
         ("dst_ip", "no host", "is neither an IP address nor the name of a host"),
         ("dst_ip", 7, "type"),
-        ("use_sim_time", True, "does not use simulated time"),
+        ("use_sim_time", True, "read-only"),
     ):
         before = _get(judge, name, "source_policy")
         result = _set_together(judge, **{"source_policy": "any", name: value})

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from random import Random
 from typing import Any
 
-from judge import Bridge, Heard, Judge, message, repeat
+from judge import Bridge, Heard, Judge, interface, message, repeat
 from payloads import random_payload
 from polling import wait_until
 
@@ -36,6 +36,24 @@ def test_every_value_crosses(judge: Judge, bridge: Start) -> None:
     for topic in REGISTRY.extra_topics:
         if topic.route.inbound:
             _feeds(judge, running, topic)
+
+
+def test_stamps_are_times_of_the_simulation(judge: Judge, bridge: Start) -> None:
+    """With `use_sim_time`, the stamps of messages and of the diagnostics are those of /clock."""
+    clock = judge.node.create_publisher(interface("rosgraph_msgs/msg/Clock"), "/clock", 10)
+    now = {"sec": 1000, "nanosec": 5}
+    running = bridge("-p", "use_sim_time:=true")
+
+    def tick() -> None:
+        clock.publish(message("rosgraph_msgs/msg/Clock", {"clock": now}))
+        running.send(imu_info={"accel_x": 1.0})
+
+    for topic, type_name in (
+        ("/imu/data_raw", "sensor_msgs/msg/Imu"),
+        ("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"),
+    ):
+        heard = judge.hear(topic, type_name)
+        repeat(tick, lambda heard=heard: now in [one["header"]["stamp"] for one in heard.values], f"{now} on {topic}")
 
 
 def _crosses_to_ros(running: Bridge, handler: Any, heard: Heard) -> None:

@@ -20,6 +20,7 @@ from roverlink.runtime.keys.signed_links import SignedLinks
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
+from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 
 LOGGER = logging.getLogger("bridge")
 
@@ -121,6 +122,7 @@ class Rig:
         observers: Sequence[Observer] = (),
         links: SignedLinks | None = None,
         topic: str = "/{}",
+        clock: Clock = SYSTEM_CLOCK,
         **given: Any,
     ) -> None:
         self.stack = contextlib.ExitStack()
@@ -130,7 +132,7 @@ class Rig:
         ports = {peer.port_parameter: port_of(self.peers[peer.name]) for peer in here}
         settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", **ports, **given})
         self.topic, observers = topic.format, [self._handled, *observers]
-        self.bridge = Bridge(registry, settings, middleware(self.graph), self.topic, LOGGER, observers, links)
+        self.bridge = Bridge(registry, settings, middleware(self.graph), self.topic, LOGGER, observers, links, clock)
         self.live = LiveParameters(registry, settings, LOGGER)
         self.live.on_change(self.bridge.change)
         self.account = self.bridge.account

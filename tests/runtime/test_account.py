@@ -42,6 +42,7 @@ def _account() -> Account:
         sent=Counter(drive_motor=2),
         forwarded=Counter(basestation=5),
         dropped=Counter(malformed=3, empty=0, conversion=1),
+        clocks_ahead=Counter(ArmBoard=3),
         unsent=Counter(hardware=1),
         unforwarded=Counter(basestation=2),
         link_events=Counter({("hardware", "ArmBoard", "learned"): 1, ("basestation", "", "unreachable"): 2}),
@@ -54,6 +55,7 @@ def _account() -> Account:
         extra_unpublished=Counter({"gps/fix": 1}),
         qos_mismatches={"imu_data": ["a subscription of /viz gets no messages"]},
         kernel_drops=7,
+        standing={"generated code": "it is old", "network": ""},
     )
 
 
@@ -66,8 +68,9 @@ def test_the_account_as_plain_values() -> None:
     expected |= {"refused": {"arm_ctrl": 1}, "failed": {"drive_motor": 1}, "superseded": {"drive_motor": 1}}
     expected |= {"stops": {"drive_motor": 3}, "unsent": {"hardware": 1}, "unforwarded": {"basestation": 2}}
     expected |= {"link_events": {"basestation unreachable": 2, "hardware ArmBoard learned": 1}}
-    expected |= {"links_received": 0, "links_sent": {}, "other_schemas": {}}
+    expected |= {"links_received": 0, "links_sent": {}, "other_schemas": {}, "clocks_ahead": {"ArmBoard": 3}}
     expected |= {"extra_published": {"imu/mag": 4}, "extra_unpublished": {"gps/fix": 1}}
+    expected |= {"standing": {"generated code": "it is old"}}
     expected |= {"by_payload": {"published": {"gps_info": 1, "imu_info": 4}, "sent": {"drive_motor": 2}}}
     assert values == expected
 

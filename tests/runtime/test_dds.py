@@ -22,7 +22,7 @@ from polling import PATIENCE_S, wait_until
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation, SensorState
 from generated.registry import REGISTRY
 from roverlink.dds_domain import claim_domain
-from roverlink.runtime import MiddlewareError, Qos
+from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import rcl_interfaces as rcl
@@ -241,14 +241,13 @@ def test_we_are_seen_as_a_node_with_our_endpoints(
         assert one.qos[Policy.Userdata].data.decode() == f"typehash={ImuSensorInformation.__typehash__};"
 
 
-def test_a_publisher_of_a_node_that_has_left_fails(topic: str) -> None:
-    """What is published after the node has gone is not taken for published, nor for a subscriber that is slow."""
+def test_a_publisher_of_a_node_that_has_left_accepts_nothing(topic: str) -> None:
+    """What is published after the node has gone is not taken for published, and is no error."""
     with open_middleware("dds", NodeIdentity("node")) as middleware:
         publisher = middleware.publisher(topic, ImuSensorInformation, Qos())
         assert publisher.publish([cdr.encode(_SAMPLE)]) == 1
     middleware.close()
-    with pytest.raises(MiddlewareError, match=f"Cyclone DDS cannot write on rt{topic}"):
-        publisher.publish([cdr.encode(_SAMPLE)])
+    assert publisher.publish([cdr.encode(_SAMPLE)]) == 0
 
 
 def test_an_exact_depth_is_kept_while_we_are_busy(join: Open, topic: str) -> None:
@@ -311,14 +310,6 @@ def test_a_subscription_follows_its_publishers(join: Open, topic: str) -> None:
 
 
 # --- the environment --------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("domain", ["rover", "233", "-1", "1.5", "0x1"])
-def test_a_domain_id_that_cannot_be_is_told(monkeypatch: pytest.MonkeyPatch, domain: str) -> None:
-    """A wrong ROS_DOMAIN_ID is quoted, with what it may be."""
-    monkeypatch.setenv("ROS_DOMAIN_ID", domain)
-    with pytest.raises(MiddlewareError, match=f"ROS_DOMAIN_ID is '{domain}'; set it to a number from 0 to 232"):
-        open_middleware("dds", NodeIdentity("node"))
 
 
 _ALONE = """

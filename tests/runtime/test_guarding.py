@@ -237,15 +237,3 @@ def test_a_table_without_guards_costs_nothing(monkeypatch: pytest.MonkeyPatch) -
     with Rig() as rig:
         rig.receive(_IMU)
         assert [thread.name for thread in threading.enumerate()].count("timekeeper") == before
-
-
-def test_what_ends_the_timekeeper_ends_the_bridge() -> None:
-    """A rover without its watchdog must not go on."""
-    failures = [ValueError("the guard is broken")]
-
-    def fail(_: Sequence[bytes]) -> None:
-        if failures:
-            raise failures.pop()
-
-    with pytest.raises(ValueError, match="the guard is broken"), Rig(_guarded(), observers=[_Interferes(fail)]) as rig:
-        rig.bridge.run()

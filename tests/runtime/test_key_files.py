@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from roverlink.runtime.core.errors import DatagramError, SetupError
-from roverlink.runtime.core.signing import Signer
+from roverlink.runtime.core.signing import TICKS_PER_SECOND, Signer, SigningClock
 from roverlink.runtime.keys.key_file import make_key_file, read_keys
 from roverlink.runtime.keys.signed_links import SignedLinks
 
@@ -210,6 +210,30 @@ def test_without_stored_timestamps_only_the_last_minute_is_accepted(
     fresh = signer.sign(b"\x6a\0")
     assert [_verdict(links, datagram, "basestation") for datagram in (old, fresh)] == ["outdated", "accepted"]
     assert ("is damaged" in caplog.text) is (content is not None)
+
+
+def test_a_key_sets_the_clock_of_its_own_link_alone_and_only_so_far(
+    rover: Computer, basestation: Computer, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Whoever has the key of a board cannot make the others refuse the bridge, and the log says what happened."""
+    board_keys = rover.keys.with_name("Arm.keys")
+    key = make_key_file(board_keys, "Arm", MADE)[0].key
+    clocks = (lambda: int(rover.wall * 10**9)), (lambda: int(rover.steady * 10**9))
+    other = basestation.links()
+    now, nearly_ten_years = other.clocks["basestation"].last, int(9.9 * 365 * 24 * 3600) * TICKS_PER_SECOND
+    for start in range(2):
+        links = SignedLinks(NUMBER, [rover.keys, board_keys], LOGGER, "ros", *clocks)
+        times = (now + n * nearly_ten_years for n in (1, 2, 3))
+        thief = (Signer(NUMBER, key, SigningClock(time)).sign(b"\x6a\0") for time in times)
+        verdicts = ["outdated" if start else "accepted", "ahead", "ahead"]
+        assert [_verdict(links, datagram, "Arm") for datagram in thief] == verdicts
+        assert links.verifier.ahead == ({} if start else {"Arm": 1})
+        rover.runs(links)
+        basestation.passes(2)
+        rover.passes(2)
+        assert _verdict(other, _signer(links, "basestation").sign(b"\x6a\0"), "ros") == "accepted"
+        assert caplog.text.count("the timestamps of the link with 'Arm' are 3613 days") == start + 1
+    assert "link with 'basestation'" not in caplog.text
 
 
 def test_a_folder_that_cannot_be_written_is_an_error_at_the_start(rover: Computer) -> None:

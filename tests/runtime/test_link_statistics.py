@@ -33,7 +33,7 @@ def test_a_perfect_link_loses_nothing_also_when_counters_wrap_around(first: int,
     statistics = LinkStatistics()
     for index, message in enumerate(_regular(20, first, sent)):
         statistics.take(message, message.time_us + 500, index * 10, None)
-    assert statistics.messages == 20
+    assert str(statistics).startswith("LinkStatistics(messages=20, lost_inbound=0, lost_outbound=0, duplicates=0,")
     assert (statistics.inbound.lost, statistics.inbound.recent) == (0, 0.0)
     assert (statistics.duplicates, statistics.reordered, statistics.jitter_us) == (0, 0, 0.0)
 

@@ -62,7 +62,7 @@ def test_the_receive_buffer_changes_while_the_bridge_runs() -> None:
         ({"listen_port": 5001}, "'listen_port' is read-only; restart the node with -p listen_port:="),
         ({"dst_a_port": 0}, "'dst_a_port' is 0; a UDP port is a number from 1 to 65535"),
         ({"dst_ipp": "::"}, "unknown parameter 'dst_ipp'; did you mean 'dst_ip'"),
-        ({"use_sim_time": True}, "'use_sim_time' cannot change"),
+        ({"use_sim_time": True}, "read-only; restart the node with -p use_sim_time:=true"),
         ({"hw_host": "no host"}, "'hw_host' is 'no host'; 'no host' is neither an IP address nor the name of a host"),
         ({"hw_host": "10.0.0.1, learn"}, "'learn' cannot stand beside other hosts"),
         ({"hw_host": 7}, "'hw_host' is 7; it must be of type str"),
@@ -104,4 +104,4 @@ def test_descriptions_say_what_ros_2_may_set() -> None:
     assert port.description == "UDP port of the peer hardware"
     assert policy.additional_constraints == "one of mapping, all"
     read_only = {name for name, descriptor in descriptors.items() if descriptor.read_only}
-    assert read_only == {"listen_port", "listen_address", "max_datagram"}
+    assert read_only == {"listen_port", "listen_address", "max_datagram", "use_sim_time"}

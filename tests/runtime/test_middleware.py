@@ -140,7 +140,7 @@ def _graph_endpoint(node: str, reliability: str, deadline: int = 0, lease: int =
         liveliness=named(name="AUTOMATIC"),
         liveliness_lease_duration=nanoseconds(nanoseconds=lease),
     )
-    return types.SimpleNamespace(node_name=node, node_namespace="/", qos_profile=profile)
+    return types.SimpleNamespace(node_name=node, node_namespace="/", qos_profile=profile, topic_type="")
 
 
 @pytest.fixture

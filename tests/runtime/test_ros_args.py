@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import textwrap
 from pathlib import Path
 from typing import Any
@@ -103,6 +104,29 @@ def test_a_section_applies_by_name_full_name_or_wildcard(tmp_path: Path, key: st
     assert _from_file(tmp_path, _SECTION.format(key=key), line) == ({"a": 1} if applies else {})
 
 
+@pytest.mark.parametrize(
+    ("key", "line", "ignored"),
+    [
+        ("/**", "", {"listen_prt": "WARNING", "robot_radius": "DEBUG", "robot": "DEBUG"}),
+        ("/*", "-p robot:=1 -p udp_forwarder:listen_prt:=1", {"robot_radius": "DEBUG"}),
+        ("udp_forwarder", "", {}),
+        ("/**/udp_forwarder", "", {}),
+    ],
+)
+def test_a_section_for_several_nodes_may_have_parameters_of_others(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, key: str, line: str, ignored: dict[str, str]
+) -> None:
+    """They are ignored and logged, as a warning if the name looks misspelt. All others must be known."""
+    path = tmp_path / "params.yaml"
+    path.write_text(f"{key}:\n  ros__parameters: {{listen_prt: 2, robot_radius: 0.3, robot: {{mass: 3}}}}\n")
+    parsed, known = _parsed(line, "--params-file", str(path)), parameters.declarations(REGISTRY)
+    with caplog.at_level("DEBUG"):
+        assert parsed.parameters_in(known, logging.getLogger("x")).keys() == parsed.parameters.keys() - ignored
+    assert [(record.levelname, record.getMessage().split("'")[1]) for record in caplog.records] == [
+        (level, name) for name, level in ignored.items()
+    ]
+
+
 def test_namespaces_may_be_nested_mappings(tmp_path: Path) -> None:
     """A namespace may hold its nodes as a mapping, as rcl's own files have it."""
     text = """
@@ -151,12 +175,6 @@ def test_a_file_of_another_form_is_told(tmp_path: Path, text: str, expected: str
     message = _refused("--params-file", str(path))
     assert expected in message
     assert str(path) in message
-
-
-def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
-    """A file that is missing, or is a folder, is named."""
-    for path in (tmp_path / "missing.yaml", tmp_path):
-        assert f"{path}: cannot read the file" in _refused("--params-file", str(path))
 
 
 # --- remaps -----------------------------------------------------------------------------------------------------
@@ -221,7 +239,7 @@ def test_log_levels() -> None:
         (["-p", "listen_port=5000"], "the parameter 'listen_port=5000' is not of the form name:=value"),
         (["-p", ":=5000"], "the parameter ':=5000' is not of the form name:=value"),
         (["-p", "a:=[1"], "the value of the parameter a: not valid YAML: expected"),
-        (["-p", f"a:={'[' * 1100}"], "the value of the parameter a: nested too deeply"),
+        (["-p", f"a:={'[' * 1100}"], "the value of the parameter a: not valid YAML: it is nested too deeply"),
         (["-p", f"a:={'9' * 5000}"], f"the value of the parameter a: {'9' * 40}..."),
         (["-r", "imu_data"], "the remap 'imu_data' is not of the form name:=value"),
         (["-r", "imu data:=imu"], "'imu data' in the remap 'imu data:=imu' is not a topic name"),

@@ -10,20 +10,22 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridge_rig import INBOUND, LOGGER, QUIET, Rig, envelope, of_peers
+from bridge_rig import INBOUND, LOGGER, QUIET, Rig, end, envelope, listener, of_peers, port_of
 from linked import linked_registry
 from polling import PATIENCE_S, wait_until
 
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, SetupError
+from roverlink.runtime.bridge.link_exchange import EndReport
 from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core.envelope import restore
 from roverlink.runtime.core.errors import DatagramError
 from roverlink.runtime.core.link_message import LinkWriter, new_session
-from roverlink.runtime.core.signing import Key, Signer, SigningClock
-from roverlink.runtime.keys.key_file import make_key_file
+from roverlink.runtime.core.registry import End, EndName
+from roverlink.runtime.core.signing import TICKS_PER_SECOND, Key, Signer, SigningClock
+from roverlink.runtime.keys.key_file import make_key_file, read_keys
 from roverlink.runtime.keys.signed_links import SignedLinks
 
 NUMBER = 23
@@ -58,8 +60,8 @@ def _key_files(folder: Path, *owners: str) -> list[Path]:
 class SignedRig(Rig):
     """A bridge with its keys, and the peers, which have copies of the key files."""
 
-    def __init__(self, folder: Path, registry: Registry, **given: Any) -> None:
-        files = _key_files(folder, *(peer.name for peer in registry.peers))
+    def __init__(self, folder: Path, registry: Registry, boards: Sequence[str] = (), **given: Any) -> None:
+        files = _key_files(folder, *(peer.name for peer in registry.peers), *boards)
         self.links = {file.stem: SignedLinks(NUMBER, [file], LOGGER, file.stem) for file in files}
         keys = open_links(registry, files, LOGGER)
         assert keys is not None
@@ -122,15 +124,15 @@ def test_peers_that_need_not_sign_go_on_as_before(tmp_path: Path) -> None:
 
 
 def test_link_messages_are_signed_as_commands_are(tmp_path: Path) -> None:
-    """A stranger cannot say that a board has another schema; a peer that need not sign says it without a signature."""
+    """A stranger cannot say that a board has another schema; a peer that need not sign says it of what it gets, too."""
     registry = signing({"hardware": {"must_sign": True}}, linked_registry())
-    board, base = (LinkWriter(registry.envelope, new_session(), {number: 7}) for number in (1, 4))
+    board, base = (LinkWriter(registry.envelope, new_session(), hashes) for hashes in ({2: 7}, {4: 7, 1: 7}))
     with SignedRig(tmp_path, registry, link_policy="refuse") as rig:
         assert rig.verdict("hardware", rig.next("hardware")) == "accepted"
         rig.receive(board.write(1))
         assert (rig.account.dropped, rig.account.other_schemas) == ({"unsigned": 1}, {})
         rig.receive(rig.signer("hardware").sign(board.write(2)), base.write(3))
-        assert rig.account.other_schemas == {"Arm of hardware": ["arm_state"], "base": ["mode"]}
+        assert rig.account.other_schemas == {"Drive of hardware": ["drive_state"], "base": ["arm_state", "mode"]}
         assert rig.account.dropped == {"unsigned": 1}
 
 
@@ -254,3 +256,110 @@ def test_forged_replayed_and_truncated_datagrams_are_counted_and_never_accepted(
     assert rig.account.dropped.total() == count
     reasons = {"unsigned", "malformed_signature", "wrong_signature", "unknown_key", "replayed", "outdated"}
     assert reasons <= rig.dropped().keys()
+
+
+# --- thieves ----------------------------------------------------------------------------------------------------
+
+_DRIVE, _BASE = EndName("hardware", "Drive"), EndName("base")
+_BOTH = {"hardware": {"must_sign": True}, "base": {"must_sign": True}}
+_YEARS_9_9 = int(9.9 * 365 * 24 * 3600) * TICKS_PER_SECOND
+
+
+def _with_boards(host: str, port: int) -> dict[str, dict[str, Any]]:
+    boards = tuple(End(name, **end(name, host, port)) for name in ("Arm", "Drive"))
+    return {**_BOTH, "hardware": {"must_sign": True, "port_parameter": "", "boards": boards}}
+
+
+_TABLES: dict[str, tuple[EndName, dict[str, dict[str, Any]], str, str]] = {
+    "mixed signing": (_BASE, {"base": {"must_sign": True}}, "dst_a_port", "refuse"),
+    "boards": (_DRIVE, _with_boards("127.0.0.1", 9), "Drive_port", "warn"),
+    "learn": (_DRIVE, _with_boards("learn", 0), "", "warn"),
+    "link": (_DRIVE, _BOTH, "dst_b_port", "warn"),
+    "refuse": (_DRIVE, _BOTH, "dst_b_port", "refuse"),
+}
+"""Tables, each with the end that is attacked, what its peers say, the end's port parameter, and the link policy."""
+
+
+class _Attacked:
+    """The rig of a table, the end that is attacked, and what a thief sends."""
+
+    def __init__(self, folder: Path, table: str) -> None:
+        self.end, peers, port, policy = _TABLES[table]
+        self.name, self.folder, self.sock = self.end.board or self.end.peer, folder, listener()
+        given = {port: port_of(self.sock)} if port else {}
+        registry = signing(peers, linked_registry())
+        self.rig = SignedRig(folder, registry, ["Arm", "Drive"], link_policy=policy, **given)
+        self.own, self.command = ([4, 5], "map") if self.end == _BASE else ([2, 3], "drive_command")
+        self.row = registry.by_number[self.own[0]].route.name
+        assert registry.link is not None
+        self.session = new_session()
+        hashes = {number: registry.link.hashes[number] for number in self.own}
+        self.writer = LinkWriter(registry.envelope, self.session, hashes)
+
+    def speaks(self) -> list[bytes]:
+        """Let the end itself send a payload and a link message, and return them."""
+        self.writer.count_sent(1)
+        plain = (self.payload(self.row), self.writer.write(1))
+        signed = [self.rig.signer(self.name).sign(one) for one in plain]
+        self.rig.receive(*signed, via=self.sock)
+        return signed
+
+    def payload(self, row: str) -> bytes:
+        """An envelope with an empty payload."""
+        return self.rig.registry.envelope(**{row: {}}).SerializeToString()
+
+    def lies(self) -> list[bytes]:
+        """What somebody sends who wants to be the end: its rows, and link messages with its and other sessions."""
+        rows: tuple[list[int], ...] = (self.own, [*self.own, 1], [1], [])
+        sessions = (self.session, *(new_session() for _ in range(10)))
+        payloads = [self.payload(row) for row in (self.row, self.command) for _ in range(3)]
+        envelope = self.rig.registry.envelope
+        writers = (LinkWriter(envelope, session, dict.fromkeys(some, 7)) for session in sessions for some in rows)
+        return [*payloads, *(writer.write(1) for writer in writers)]
+
+    def state(self) -> tuple[object, dict[str, float], EndReport]:
+        """What the bridge knows about the end."""
+        (report,) = (report for report in self.rig.bridge.link_reports() if report.end == self.end)
+        address = self.rig.bridge.link_states().get(self.end)
+        return address, {**report.measured(), "age": 0}, dataclasses.replace(report, age=None)
+
+    def thief_of_arm(self, ahead: int = 0) -> Callable[[bytes], bytes]:
+        """Who signs with the key of the other board, by a clock that is ahead."""
+        key = read_keys(self.folder / "Arm.keys")[0].key
+        return Signer(NUMBER, key, SigningClock(SigningClock().last + ahead)).sign
+
+
+_THIEVES: dict[str, Callable[[_Attacked, list[bytes]], list[bytes]]] = {
+    "stranger": lambda at, _: [
+        forged
+        for lie in at.lies()
+        for forged in (lie, *(Signer(NUMBER, Key(id, "x", bytes(32)), SigningClock()).sign(lie) for id in (1, 5, 99)))
+    ],
+    "key of a board": lambda at, _: [*map(at.thief_of_arm(), at.lies())],
+    "old datagrams": lambda _, heard: heard * 3,
+    "wrong clock": lambda at, _: [
+        signed for years in (1, 2, 3) for signed in map(at.thief_of_arm(years * _YEARS_9_9), at.lies())
+    ],
+}
+
+
+@pytest.mark.parametrize("table", _TABLES)
+@pytest.mark.parametrize("thief", _THIEVES)
+def test_no_thief_changes_the_state_of_another_end(tmp_path: Path, thief: str, table: str) -> None:
+    """Nothing is published, learned, refused or measured in the name of an end that signs, and it goes on as before."""
+    at = _Attacked(tmp_path, table)
+    with at.sock, at.rig as rig:
+        heard = at.speaks()
+        before = at.state()
+        at.writer.count_sent(3)  # they are lost; what the thief sends must not make up for them
+        rig.receive(*_THIEVES[thief](at, heard))
+        assert at.state() == before
+        assert str(at.end) not in rig.account.other_schemas
+        at.speaks()
+        _, measured, report = at.state()
+        assert (rig.account.published[at.row], measured["lost_in"], report.senders) == (2, 3, 1)
+        rig.publish(at.command)
+        while at.command != rig.registry.envelope.FromString(datagram := at.sock.recv(65_536)).WhichOneof("payload"):
+            pass
+        assert rig.verdict(at.name, datagram) == "accepted"
+        assert (rig.account.dropped["ahead"] > 0) is (thief == "wrong clock") is ("Arm" in rig.account.clocks_ahead)

@@ -46,7 +46,7 @@ def _verdict(verifier: Verifier, datagram: bytes, sender: str = "basestation") -
 
 
 def _verifier(last: int = 0, clock: SigningClock | None = None) -> Verifier:
-    return Verifier(NUMBER, [(KEY, last)], clock or Computer().clock())
+    return Verifier(NUMBER, [(KEY, last, clock or Computer().clock())])
 
 
 @pytest.mark.parametrize(("number", "id", "secret", "timestamp", "datagram", "signed"), _vectors("sign"))
@@ -64,8 +64,8 @@ def test_verdicts_are_those_of_the_vectors(
     number: str, id: str, secret: str, last: str, datagram: str, verdict: str
 ) -> None:
     """Python refuses what C and C++ refuse, for the same reason."""
-    clock = SigningClock(int(last), wall=lambda: 0, steady=lambda: 0)
-    verifier = Verifier(int(number), [(Key(int(id), "basestation", bytes.fromhex(secret)), int(last))], clock)
+    clock = SigningClock(int(last), wall=lambda: 0, steady=lambda: 0, made=int(last))
+    verifier = Verifier(int(number), [(Key(int(id), "basestation", bytes.fromhex(secret)), int(last), clock)])
     assert _verdict(verifier, bytes.fromhex(datagram)) == verdict
 
 
@@ -114,8 +114,9 @@ def test_a_sender_without_a_clock_continues_from_what_it_has_verified() -> None:
     rover, basestation = computer.clock(), Computer().clock()
     _verifier(0, rover).verify(Signer(NUMBER, KEY, basestation).sign(b"\x6a\0"), {"basestation"})
     computer.steady += 5
-    answer = Signer(NUMBER, Key(2, "ros", bytes(32)), rover).sign(b"\x6a\0")
-    assert _verdict(Verifier(NUMBER, [(Key(2, "ros", bytes(32)), NOW - 100)], basestation), answer, "ros") == "accepted"
+    key = Key(2, "ros", bytes(32))
+    answer = Signer(NUMBER, key, rover).sign(b"\x6a\0")
+    assert _verdict(Verifier(NUMBER, [(key, NOW - 100, basestation)]), answer, "ros") == "accepted"
 
 
 def test_the_largest_timestamp_ends_the_key_without_an_error() -> None:
@@ -129,7 +130,7 @@ def test_no_text_contains_a_secret() -> None:
     """Keys appear in logs and errors by their ids only."""
     secret = bytes(range(100, 132))
     key = Key(1, "basestation", secret)
-    verifier = Verifier(NUMBER, [(key, 0)], Computer().clock())
+    verifier = Verifier(NUMBER, [(key, 0, Computer().clock())])
     with pytest.raises(DatagramError) as refused:
         verifier.verify(Signer(NUMBER, Key(1, "x", bytes(32)), Computer().clock()).sign(b""), {"basestation"})
     for text in (repr(key), repr(verifier), str(refused.value)):

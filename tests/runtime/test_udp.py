@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from needs import NOT_LINUX
 
+from roverlink.runtime.core.errors import FailedThreadError
 from roverlink.runtime.net import mmsg, udp
 
 _SIZE = 100
@@ -86,7 +87,7 @@ def test_what_the_function_raises_is_raised_by_join(listener: socket.socket, sen
 
     with udp.Receiver(listener, _SIZE, handle) as receiver:
         sender.send(b"x")
-        with pytest.raises(ValueError, match="of the function"):
+        with pytest.raises(FailedThreadError, match="thread udp-receive failed: ValueError: of the function"):
             receiver.join()
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
+from functools import lru_cache
 
 from roverlink.generator.lint.comparison.cardinality import broken_by_cardinality, only_required, shown
 from roverlink.generator.lint.comparison.field_type_changes import ENUM_LIKE, broken_by_kind
@@ -159,7 +160,12 @@ def judge_compounds(judged: Judgement, old: str, new: str, shared: frozenset[str
     """Judge two names with different words again, with compound words split into words of the ``names`` beside them."""
     if not judged.by_words:
         return judged
-    return _by_names(compare_names(old, new, shared, frozenset(word for name in names for word in words(name))))
+    return _by_names(compare_names(old, new, shared, _words_of(frozenset(names))))
+
+
+@lru_cache(maxsize=1024)
+def _words_of(names: frozenset[str]) -> frozenset[str]:
+    return frozenset(word for name in names for word in words(name))
 
 
 def _had_another_number(new: Part) -> Judgement:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
-from functools import cache, lru_cache
+from functools import cache, cached_property, lru_cache
 from itertools import groupby
 from pathlib import Path
 
@@ -31,7 +31,7 @@ from roverlink.generator.lint.history.word_renames import WordRenames
 from roverlink.generator.protos.parser import parse
 
 _SOME = 64  # states between two reports of progress
-_FEW = 16  # messages whose usages are kept
+_FEW = 256  # messages whose usages are kept
 _NO_TYPES: NumberedTypes = {}
 
 
@@ -103,7 +103,7 @@ class History:
         self._record = Record(graph, lineage, graph.node_of(newest), self._nodes | tags, released)
         self._renames = WordRenames(self._record)
 
-        # A few are kept: the usages of thousands of messages on hundreds of branches take 100 MB.
+        # Not all are kept: the usages of thousands of messages on hundreds of branches take 100 MB.
         @lru_cache(_FEW)
         def traced(
             ids: tuple[int, ...], elsewhere: tuple[tuple[int, str], ...] = (), claimed: bool = False
@@ -127,17 +127,17 @@ class History:
         self.unread = tuple(sorted(_paths(revisions, states.unread)))
         """Paths of files with a state that could not be read, because it is missing, too large, or binary."""
 
-    @property
+    @cached_property
     def types(self) -> tuple[TracedType, ...]:
         """All messages and enums that existed at some time, sorted by name."""
         return tuple(sorted(self._record.types.values(), key=lambda each: (each.name, each.id)))
 
-    @property
+    @cached_property
     def messages(self) -> tuple[str, ...]:
         """All full names that messages had at some time."""
         return tuple(sorted({name for type in self.types if not type.enum for name in type.names}))
 
-    @property
+    @cached_property
     def enums(self) -> tuple[str, ...]:
         """All full names that enums had at some time."""
         return tuple(sorted({name for type in self.types if type.enum for name in type.names}))

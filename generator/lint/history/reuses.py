@@ -124,7 +124,7 @@ class Reuses:
     def _shows_a_rename(self, nodes: Sequence[int], old: str, new: str) -> str:
         """Return why the nodes (commits) that replaced a name show that a word was renamed; empty if they do not."""
         subjects = (self._record.graph[node].revision.commit.subject for node in nodes)
-        if any(is_called_a_rename(subject, old, new, self._shared) for subject in subjects):
+        if any(is_called_a_rename(subject, self._owner, old, new, self._shared) for subject in subjects):
             return "the commit is called a rename"
         renamed = any(self._renames.has(node, old, new, self._shared) for node in nodes)
         return "the commit replaces the word in several messages" if renamed else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 # In this order: the scale of `angle_x100`; an acronym, which ends before the last capital of `GPSInfo`; a word; a
@@ -24,9 +25,10 @@ class Written(NamedTuple):
     """The word, or the code as the name writes it if the word is a part of one: ``P2SH`` for ``sh``."""
 
 
-def words(name: str) -> list[str]:
-    """Split a name in snake_case or CamelCase into words in lower case: ``GPSInfo`` -> ``["gps", "info"]``."""
-    return [written.word for written in written_words(name)]
+@lru_cache(maxsize=1 << 16)
+def words(name: str) -> tuple[str, ...]:
+    """Split a name in snake_case or CamelCase into words in lower case: ``GPSInfo`` -> ``("gps", "info")``."""
+    return tuple(written.word for written in written_words(name))
 
 
 def written_words(name: str) -> Iterator[Written]:

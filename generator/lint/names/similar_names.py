@@ -119,14 +119,16 @@ def is_telling(name: str, shared: frozenset[str] = frozenset()) -> bool:
     )
 
 
-def is_called_a_rename(text: str, old: str, new: str, shared: frozenset[str]) -> bool:
-    """Return True if the subject of a commit says that it renames, with a word that only one of two names has.
+def is_called_a_rename(text: str, owner: str, old: str, new: str, shared: frozenset[str]) -> bool:
+    """Return True if the subject of a commit says that it renames, with a word of one of two names or of their owner.
 
-    ``shared`` are words that say nothing; see `compare_names`.
+    A word that both names have does not count. ``owner`` is the full name of their message or enum. ``shared`` are
+    words that say nothing; see `compare_names`.
     """
-    differing = (word_bases(old) ^ word_bases(new)) - FILLERS - shared
+    of_types = [word_bases(part) for part in owner.split(".") if not part.islower()]  # packages are in small letters
+    renamed = frozenset[str]().union((word_bases(old) ^ word_bases(new)) - shared, *of_types) - FILLERS
     return _RENAMES.search(text) is not None and any(
-        one == other or _has_same_stem(one, other) for one, other in product(word_bases(text), differing)
+        one == other or _has_same_stem(one, other) for one, other in product(word_bases(text), renamed)
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
@@ -41,7 +41,7 @@ class PinsDisagree(LintRule, id="PIN102"):
     The rover, the boards and the basestation each build the protos from the commit to which the project is pinned. If
     these commits disagree about the number of a payload, a field or an enum value, the receiver decodes the wrong thing
     without an error. All messages that the envelope can contain are compared. If a new name perhaps means the same,
-    this is a warning.
+    this is a warning. With `--against`, what the baseline has already is a hint, and so are faults of other projects.
 
     Bad::
 
@@ -58,11 +58,24 @@ class PinsDisagree(LintRule, id="PIN102"):
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each two declarations of a number that two projects, or one and the checkout, misread.
 
-        States with the same declaration are named together.
+        States with the same declaration are named together. With a baseline, only what the checkout misreads, and the
+        baseline in its place does not, is more than a hint.
         """
-        pinned = context.past.pinned if context.past else None
-        for found, old, new in _grouped(pinned) if pinned else ():
-            yield _finding(found, old, new)
+        past = context.past
+        if past is None or past.pinned is None:
+            return
+        before = past.pinned_before
+        known = {None, *(_of_checkout(*group) for group in _grouped(before))} if before else frozenset[Hashable]()
+        for group in _grouped(past.pinned):
+            finding = _finding(*group)
+            yield finding.as_known() if _of_checkout(*group) in known else finding
+
+
+def _of_checkout(found: Misreading, old: _Side, new: _Side) -> Hashable:
+    """Return what stays the same of a misreading between the checkout and projects; None for one among projects."""
+    if not (old.checkout or new.checkout):
+        return None
+    return found.owner, found.number, frozenset((old.text, new.text))
 
 
 def _grouped(pinned: PinnedStates) -> Iterator[tuple[Misreading, _Side, _Side]]:

@@ -1,11 +1,11 @@
-"""Rule about bounds of nanopb that are stricter than before."""
+"""Rules about nanopb's options: bounds that are stricter than before, and lines without effect."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from roverlink.generator.diagnostics import Diagnostic
+from roverlink.generator.diagnostics import Diagnostic, Severity
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.nanopb import FieldBounds
@@ -123,3 +123,31 @@ def _is_less(now: int | None, before: int | None) -> bool:
     It is allowed to add a limit, because every field needs one before a board can use it.
     """
     return now is not None and before is not None and now < before
+
+
+class NanopbPatternWithoutMatch(LintRule, id="NPB102", severity=Severity.WARNING):
+    """A line of a `.options` file matches no declaration of its `.proto` file.
+
+    The size limit in the line has no effect. The field was renamed, or the package is missing from the name.
+
+    Bad::
+
+        # proto/note.proto
+        message Note { string text = 1; repeated float samples = 2; }
+        # proto/note.options
+        Note.txt max_size:20
+
+    Good::
+
+        # proto/note.proto
+        message Note { string text = 1; repeated float samples = 2; }
+        # proto/note.options
+        Note.text max_size:20
+    """
+
+    @classmethod
+    def check(cls, context: Context) -> Iterator[Diagnostic]:
+        """Yield a diagnostic for each line of a .options file that matches no declaration."""
+        for file, pattern, span in context.bounds.unused if context.bounds else ():
+            help = "write the full name, with the package: pkg.Message.field"
+            yield cls.at(span, f"no name in {file} matches {pattern!r}", help)

@@ -55,7 +55,8 @@ class DeclaredParameters(Generic[T]):
         """Declaration of each parameter by its name."""
         first = {name: one.default for name, one in self._declared.items()}
         first |= {**options, USE_SIM_TIME.name: uses_simulated_time(ros)}
-        self._values: Mapping[str, Any] = self._completed(first, self._checked(ros.parameters))
+        given = self._checked(ros.parameters_in(self._declared, logger))
+        self._values: Mapping[str, Any] = self._completed(first, given)
         self._meaning = read(self._values)
 
     @property

@@ -12,7 +12,7 @@ from roverlink.runtime.core.errors import MiddlewareError, SetupError
 from roverlink.runtime.middleware import Middleware, NodeParameters, open_middleware
 from roverlink.runtime.ros_arguments.ros_args import RosArguments, is_topic
 from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
-from roverlink.runtime.ros_time.simulated_clock import SimulatedClock
+from roverlink.runtime.ros_time.simulated_clock import TOPIC, SimulatedClock
 
 if TYPE_CHECKING:
     from roverkit.vision.poses.transform_tree import TransformTree
@@ -65,7 +65,9 @@ class RosConnection:
         """Clock of the node: that of the simulation if the parameter ``use_sim_time`` is true."""
         if not uses_simulated_time(self.arguments):
             return SYSTEM_CLOCK
-        return self._stack.enter_context(SimulatedClock(self.middleware, self.topic("/clock"), self._say))
+        clock = self._stack.enter_context(SimulatedClock(self.middleware, self.topic(TOPIC), self._say))
+        clock.wait()
+        return clock
 
     @cached_property
     def transforms(self) -> TransformTree:

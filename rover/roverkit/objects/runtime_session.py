@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roverlink import bounded_files
 from roverlink.runtime.core.errors import SetupError
 
 _INSTALL = "install it with `pip install 'onnxruntime>=1.17'`"
@@ -19,6 +20,7 @@ _FATAL = 4  # log level: errors are reported as exceptions, too
 _TYPES = {"tensor(float)": np.float32, "tensor(float16)": np.float16, "tensor(int64)": np.int64}
 
 Array = NDArray[Any]
+_LARGEST = 2 << 30  # bytes of a model; protobuf, ONNX's format, has no more
 
 
 class Session:
@@ -30,11 +32,13 @@ class Session:
         runtime = import_runtime()
         runtime.set_default_logger_severity(_FATAL)
         try:
-            data = path.read_bytes()
+            data = bounded_files.read(path, _LARGEST)
         except OSError as error:
-            raise SetupError(f"{path}: cannot read the model: {error.strerror or error}") from error
+            raise SetupError(f"{path}: cannot read the model: {error.strerror}") from error
         options = runtime.SessionOptions()
         options.log_severity_level = _FATAL
+        # Threads that wait busily for the next image need twice the CPU time of the computation.
+        options.add_session_config_entry("session.intra_op.allow_spinning", "0")
         there = runtime.get_available_providers()
         try:
             # From bytes: then a model cannot read other files as its weights.

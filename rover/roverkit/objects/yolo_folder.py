@@ -19,6 +19,7 @@ from roverkit.objects.object_types import class_names
 from roverkit.vision.markers.detection import Image
 from roverkit.vision.opencv import cv2
 from roverkit.vision.yaml_file import Item, read_file
+from roverlink.bounded_files import read_text
 from roverlink.runtime.core.errors import SetupError
 
 _IMAGES = frozenset((".jpg", ".jpeg", ".png", ".bmp", ".webp"))
@@ -51,9 +52,9 @@ class LabelledImage:
 
     def _read_labels(self, size: tuple[int, int]) -> list[Label]:
         try:
-            lines = self.labels.read_text(encoding="utf-8").splitlines() if self.labels.exists() else []
-        except (OSError, UnicodeDecodeError) as error:
-            raise SetupError(f"{self.labels}: cannot read the labels: {error}") from error
+            lines = read_text(self.labels).splitlines() if self.labels.exists() else []
+        except OSError as error:
+            raise SetupError(f"{self.labels}: cannot read the labels: {error.strerror}") from error
         return [self._label(line, number, size) for number, line in enumerate(lines, 1) if line.strip()]
 
     def _label(self, line: str, number: int, size: tuple[int, int]) -> Label:

@@ -117,9 +117,9 @@ def read_reports(data: bytes) -> Iterator[Report]:
 
 
 def ntp_of(stamp: int) -> int:
-    """Return a time in nanoseconds since 1970 as NTP has it."""
+    """Return a time in nanoseconds since 1970 as NTP has it, which begins at 0 again in 2036."""
     seconds, rest = divmod(stamp, 10**9)
-    return (seconds + _1970) << 32 | (rest << 32) // 10**9
+    return (seconds + _1970 & 0xFFFFFFFF) << 32 | (rest << 32) // 10**9
 
 
 def middle_of(ntp: int) -> int:

@@ -12,6 +12,7 @@ import numpy as np
 import yaml
 
 from roverkit.vision.camera.camera_model import Floats
+from roverlink.bounded_files import read_text
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.runtime.text.strict_yaml import YamlTextError, compose, construct, shown
 
@@ -133,9 +134,9 @@ def read_file(path: Path, what: str) -> Item:
     such as ``landmarks``.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise SetupError(f"{path}: cannot read the {what}: {error}") from error
+        text = read_text(path)
+    except OSError as error:
+        raise SetupError(f"{path}: cannot read the {what}: {error.strerror}") from error
     return parse(path, text)
 
 

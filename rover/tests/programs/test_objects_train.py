@@ -17,9 +17,9 @@ pytest.importorskip("onnxruntime", reason=NO_ONNX)
 
 @pytest.fixture(scope="module")
 def scenes(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with 16 rendered images."""
+    """A folder with 8 rendered images."""
     folder = tmp_path_factory.mktemp("objects") / "scenes"
-    assert main(["objects", "render", str(folder), "--images", "16", "--seed", "7"]) == 0
+    assert main(["objects", "render", str(folder), "--images", "8", "--seed", "7"]) == 0
     return folder
 
 
@@ -32,8 +32,8 @@ def _refused(capsys: pytest.CaptureFixture[str], *words: object) -> str:
 
 def test_rendered_scenes_are_a_folder_to_learn_from(scenes: Path) -> None:
     """Every eighth image is for the measurement, and each has a file of labels."""
-    assert len(list((scenes / "images/train").iterdir())) == 14
-    assert len(list((scenes / "labels/val").iterdir())) == 2
+    assert len(list((scenes / "images/train").iterdir())) == 7
+    assert len(list((scenes / "labels/val").iterdir())) == 1
     assert "names: [rock, main_switch," in (scenes / "data.yaml").read_text()
 
 
@@ -46,7 +46,7 @@ def test_a_network_is_trained_and_measured(scenes: Path, tmp_path: Path, capsys:
     assert main(["objects", "train", str(scenes), *words]) == 0
     out = capsys.readouterr().out.splitlines()
     assert out[-1].split()[0] == "mAP50"
-    assert out[-1].endswith("(2 images)")
+    assert out[-1].endswith("(1 image)")
     assert main(["objects", "measure", str(scenes), "--model", str(model), "--json"]) == 0
     result: Any = json.loads(capsys.readouterr().out)
     assert set(result) == {"images", "mAP50", "AP50"}

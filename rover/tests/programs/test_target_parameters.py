@@ -53,6 +53,15 @@ def test_options_are_the_first_values(landmarks: Path) -> None:
     assert replaced.values["use_sim_time"] is True
 
 
+def test_a_file_for_several_nodes_may_have_parameters_of_others(tmp_path: Path) -> None:
+    """The ones of this node are used, and those of other nodes ignored."""
+    (tmp_path / "all.yaml").write_text("/**: {ros__parameters: {side: 0.3, robot_radius: 0.4}}")
+    ros = ros_args.parse(["--params-file", str(tmp_path / "all.yaml")], "aruco_tracker")
+    parser = argparse.ArgumentParser()
+    add_targets(parser)
+    assert TargetParameters(parser.parse_args([]), ros, logging.getLogger("test")).values["side"] == 0.3
+
+
 def test_a_change_gives_other_targets(landmarks: Path) -> None:
     """Files are read again, also if their names stay the same; an empty name ends the use of landmarks."""
     parameters = _parameters()

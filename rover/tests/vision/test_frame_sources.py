@@ -219,13 +219,11 @@ def tick(graph: Graph) -> Tick:
 @pytest.fixture
 def clock(graph: Graph, tick: Tick) -> SimulatedClock:
     """A clock that shows 10 s."""
-    clocks: list[SimulatedClock] = []
-    thread = threading.Thread(target=lambda: clocks.append(SimulatedClock(MemoryMiddleware(graph), "/clock", print)))
-    thread.start()
-    wait_until(lambda: graph.callbacks["/clock"], "the subscription")
+    clock = SimulatedClock(MemoryMiddleware(graph), "/clock", print)
+    assert clock.now() == 0
     tick(10)
-    thread.join(PATIENCE_S)
-    return clocks[0]
+    clock.wait()
+    return clock
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import shutil
+import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +24,9 @@ from roverlink.console import OK, Subparsers, documented_command
 if TYPE_CHECKING:
     from roverlink.runtime.recording.clocks import ClockJump
     from roverlink.runtime.recording.reader import Recording
+
+
+_GAP = "  "
 
 
 def add(commands: Subparsers) -> None:
@@ -78,28 +84,38 @@ def _facts(recording: Recording) -> dict[str, Any]:
 
 
 def _print(facts: dict[str, Any], jumps: list[ClockJump]) -> None:
-    from rich.console import Console  # here: --help needs no rich
-    from rich.table import Table
-
     from roverlink.runtime.recording.clocks import local_time
 
-    console = Console(highlight=False, markup=False, soft_wrap=True)
     for file in facts["files"]:
-        console.print(f"file      {file['path']} ({file['bytes'] / 1e6:.2f} MB)")
-    console.print(f"start     {local_time(facts['start_ns'])}, for {facts['seconds']:.1f} s")
+        print(f"file      {file['path']} ({file['bytes'] / 1e6:.2f} MB)")
+    print(f"start     {local_time(facts['start_ns'])}, for {facts['seconds']:.1f} s")
     for jump in jumps:
-        console.print(f"clock     {jump.text(facts['start_ns'])}")
+        print(f"clock     {jump.text(facts['start_ns'])}")
     if "fingerprint" in facts["table"]:
-        console.print(f"table     {facts['table']['fingerprint']}")
+        print(f"table     {facts['table']['fingerprint']}")
     if not facts["complete"]:
-        console.print("state     incomplete: the recorder was killed or is still running")
-    table = Table(box=None, pad_edge=False)
-    for name in ("topic", "type"):
-        table.add_column(name, no_wrap=True)
-    for name in ("count", "rate"):
-        table.add_column(name, justify="right", no_wrap=True)
-    for topic in facts["topics"]:
-        if topic["count"]:
-            rate = f"{topic['rate']:.1f}/s" if topic["rate"] is not None else ""
-            table.add_row(topic["topic"], topic["type"] or "raw bytes", str(topic["count"]), rate)
-    console.print(table)
+        print("state     incomplete: the recorder was killed or is still running")
+    topics = [topic for topic in facts["topics"] if topic["count"]]
+    rates = ["" if topic["rate"] is None else f"{topic['rate']:.1f}/s" for topic in topics]
+    rows = [(one["topic"], one["type"] or "raw bytes", str(one["count"]), rate) for one, rate in zip(topics, rates)]
+    for line in _columns([("topic", "type", "count", "rate"), *rows]):
+        print(line)
+
+
+def _columns(rows: Sequence[tuple[str, str, str, str]]) -> Iterator[str]:
+    """Yield the lines of a table of two names and two numbers.
+
+    On a narrow terminal, names are shortened, but never a number: a shortened number is another one.
+    """
+    topic, type, count, rate = (max(map(len, column)) for column in zip(*rows))
+    if sys.stdout.isatty():
+        room = max(shutil.get_terminal_size().columns - count - rate - 3 * len(_GAP), 2)
+        topic = min(topic, max(room - type, room // 2))
+        type = min(type, room - topic)
+    for row in rows:
+        names = f"{_shortened(row[0], topic):<{topic}}", f"{_shortened(row[1], type):<{type}}"
+        yield _GAP.join((*names, f"{row[2]:>{count}}", f"{row[3]:>{rate}}"))
+
+
+def _shortened(name: str, width: int) -> str:
+    return name if len(name) <= width else f"{name[: width - 1]}…"

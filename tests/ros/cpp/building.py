@@ -63,15 +63,17 @@ def build(bridge: Bridge, files: Mapping[str, str], protos: Path, folder: Path, 
         f"-DPACKAGE={bridge.package}",
         f"-DENVELOPE=::{bridge.envelope.message.replace('.', '::')}",
     ]
+    every = _in_one(folder / "every.hpp", [Path(bridge.package) / "registry.hpp"])
+    _object(folder / "every.hpp.gch", every, [*options, *_WARNINGS])  # precompiled: reading it takes most of the time
+    included = [*options, "-include", every]
     protos_in_one = in_one_file(folder / "protos.cpp", sorted(compiled.rglob("*.pb.cc")))
-    jobs = [(source, options) for source in (structs, protos_in_one)]
-    jobs.append((_HERE / "speaker.cpp", [*options, *speaker]))
+    jobs = [(structs, options), (protos_in_one, included), (_HERE / "speaker.cpp", [*included, *speaker])]
     sources = sorted(folder / path for path in ours if path.endswith(".cpp") and not path.startswith(_RUNTIME))
     alone = [source for source in sources if source.parent.name == "extra_topics"]  # each has functions of its own
     alone.append(_in_one(folder / "handlers.cpp", [source for source in sources if source not in alone]))
     alone.append(_in_one(folder / "runtime.cpp", sorted((folder / _RUNTIME / "src").glob("*.cpp"))))
-    alone += sorted((folder / _RUNTIME / "c").glob("*.c"))
-    jobs += [(source, [*options, *_WARNINGS]) for source in alone]
+    jobs += [(source, [*included, *_WARNINGS]) for source in alone]
+    jobs += [(source, [*options, *_WARNINGS]) for source in sorted((folder / _RUNTIME / "c").glob("*.c"))]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         objects = list(pool.map(lambda job: _object(folder / f"{job[0]}.o", *job[1]), enumerate(jobs)))
     program = folder / "speaker"

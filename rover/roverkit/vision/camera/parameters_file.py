@@ -33,6 +33,7 @@ import numpy as np
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.camera.file_storage_xml import compose_xml
 from roverkit.vision.yaml_file import LARGEST, Item, parse, parse_with
+from roverlink.bounded_files import read_text
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.runtime.core.errors import SetupError, nearest
 
@@ -69,13 +70,13 @@ def read_parameters(path: Path) -> CameraParameters:
     line of the file, the message names the line.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path)
     except FileNotFoundError as error:
         raise SetupError(
             f"{path}: no such file with camera parameters; make one with `roverlink aruco calibrate`"
         ) from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise SetupError(f"{path}: cannot read the file: {error}") from error
+    except OSError as error:
+        raise SetupError(f"{path}: cannot read the file: {error.strerror}") from error
     entries = _Entries(path, text)
     matrix, distortion = entries.matrix("camera_matrix"), entries.matrix("distortion_coefficients")
     size, fisheye = entries.size(), entries.model(distortion) == EQUIDISTANT

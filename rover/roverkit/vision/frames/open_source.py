@@ -12,6 +12,7 @@ from roverkit.vision.camera.camera_settings import CameraSettings
 from roverkit.vision.frames.frame import RATE, FrameSource
 from roverkit.vision.frames.live import Say, open_camera, open_pipeline, open_stream
 from roverkit.vision.frames.recorded import IMAGES, VIDEOS, ImageFiles, VideoFile
+from roverlink.bounded_files import open_regular
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 
@@ -60,6 +61,8 @@ def open_source(
     if "://" in text:
         return open_stream(_urls(text), settings, say, clock)
     if text and path.exists():
+        if not path.is_dir():
+            open_regular(path).close()  # OpenCV would wait for a pipe
         if path.is_dir() or path.suffix.lower() in IMAGES:
             settings.check(text, "rate")
             return ImageFiles(path, settings.rate or rate, say)

@@ -37,7 +37,11 @@ class ImageFiles(_Recorded):
         `say` is called with a message about each image that cannot be read. Raises `SetupError` if the folder has no
         images.
         """
-        found = [path] if path.is_file() else [file for file in path.iterdir() if file.suffix.lower() in IMAGES]
+        found = (
+            [path]
+            if path.is_file()
+            else [file for file in path.iterdir() if file.suffix.lower() in IMAGES and file.is_file()]
+        )
         if not found:
             raise SetupError(f"{path} contains no images (known: {' '.join(sorted(IMAGES))})")
         self.paths = sorted(found, key=_natural)
