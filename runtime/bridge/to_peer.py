@@ -139,6 +139,14 @@ class OutboundRow:
             except ConversionError as error:
                 self._account.refused[self.name] += 1
                 self._warnings.warn(self.name, f"not sent: {error}")
+        self._send_and_count(datagrams)
+
+    def send_again(self, datagram: bytes) -> None:
+        """Send a datagram that the native core has made but could not send, and count it."""
+        with self._lock:
+            self._send_and_count([datagram])
+
+    def _send_and_count(self, datagrams: Sequence[bytes]) -> None:
         sent = self._send(datagrams)
         # The watchdog is about commands that leave the bridge, so a message that could not be sent does not count.
         if sent:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple, Protocol
 
 from roverlink.runtime.middleware.protocol import Callback
+from roverlink.runtime.native.bridge_layout import Subscription
 
 # All messages of a take go to one callback. Large enough to keep up with a burst, small enough that other topics get
 # their turn.
@@ -23,12 +24,22 @@ class Reader(Protocol):
         """Take at most ``most`` received messages, the oldest first."""
 
 
+class LentTopic(NamedTuple):
+    """Topic whose messages the native core takes and sends."""
+
+    struct: Subscription
+    send: Callable[[bytes], None]
+    """Function that sends a datagram that the core could not send."""
+
+
 class ServedTopic(NamedTuple):
     """Subscribed topic: its reader, its callback and its priority."""
 
     reader: Reader
     callback: Callback
     priority: int
+    lent: LentTopic | None = None
+    """Set if the native core takes the messages; it hands some to ``callback``."""
 
     def serve(self, most: int) -> None:
         """Take at most ``most`` received messages, oldest first, and call the callback with them."""

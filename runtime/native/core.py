@@ -22,14 +22,14 @@ class NativeCore:
     """Translation of a registry's rows and extra topics by the native library."""
 
     def __init__(self, registry: Registry, translations: Mapping[str, Any], library: Path) -> None:
-        self._library = ctypes.CDLL(str(library))
-        self._library.rl_workspace_new.restype = ctypes.c_void_p
-        self._workspace = ctypes.c_void_p(self._library.rl_workspace_new(ctypes.c_size_t(_WORKSPACE)))
+        self.library = ctypes.CDLL(str(library))
+        self.library.rl_workspace_new.restype = ctypes.c_void_p
+        self.workspace = ctypes.c_void_p(self.library.rl_workspace_new(ctypes.c_size_t(_WORKSPACE)))
         self._out = ctypes.create_string_buffer(_LARGEST)
         self.unsupported: dict[str, str] = {}
         self._index: dict[int, int] = {}
-        self._table = self._made(registry, translations)
-        if self._library.rl_check(ctypes.byref(self._table)):
+        self.table = self._made(registry, translations)
+        if self.library.rl_check(ctypes.byref(self.table)):
             raise ValueError("wrong table")
 
     def _made(self, registry: Registry, translations: Mapping[str, Any]) -> native.Table:
@@ -87,13 +87,32 @@ class NativeCore:
         ops += back
         return made
 
+    def new_workspace(self) -> ctypes.c_void_p:
+        """Return memory for one thread."""
+        return ctypes.c_void_p(self.library.rl_workspace_new(ctypes.c_size_t(_WORKSPACE)))
+
+    def index_of(self, handler: AnyHandler | AnyStandardHandler) -> int:
+        """Return the index of a handler's translation."""
+        return self._index[id(handler)]
+
+    def reason(self, handler: AnyHandler | AnyStandardHandler) -> str:
+        """Return the reason why the core cannot translate the messages of a handler; empty if it can."""
+        return self.unsupported.get(f"{handler.route.name} {handler.route.topic}", "")
+
     def to_cdr(self, handler: Any, payload: bytes, stamp: Time) -> bytes | None:
         """Return the serialized ROS 2 message of a serialized payload; None if Python has to convert it."""
         index = self._index.get(id(handler))
         size = ctypes.c_size_t(_LARGEST)
-        if index is None or self._library.rl_to_cdr(
-            ctypes.byref(self._table), index, self._workspace, payload, ctypes.c_size_t(len(payload)),
-            ctypes.c_int32(stamp.sec), ctypes.c_uint32(stamp.nanosec), self._out, ctypes.byref(size),
+        if index is None or self.library.rl_to_cdr(
+            ctypes.byref(self.table),
+            index,
+            self.workspace,
+            payload,
+            ctypes.c_size_t(len(payload)),
+            ctypes.c_int32(stamp.sec),
+            ctypes.c_uint32(stamp.nanosec),
+            self._out,
+            ctypes.byref(size),
         ):
             return None
         return self._out.raw[: size.value]
@@ -102,8 +121,13 @@ class NativeCore:
         """Return the serialized payload of a serialized ROS 2 message; None if Python has to convert it."""
         index = self._index.get(id(handler))
         size = ctypes.c_size_t(_LARGEST)
-        if index is None or self._library.rl_to_proto(
-            ctypes.byref(self._table), index, self._workspace, data, ctypes.c_size_t(len(data)), self._out,
+        if index is None or self.library.rl_to_proto(
+            ctypes.byref(self.table),
+            index,
+            self.workspace,
+            data,
+            ctypes.c_size_t(len(data)),
+            self._out,
             ctypes.byref(size),
         ):
             return None
@@ -118,3 +142,15 @@ def _array(kind: Any, values: Iterable[Any]) -> Any:
 def load_translations(folder: Path) -> Any:
     """Return the content of ``translations.json`` of a generated package."""
     return json.loads((folder / "translations.json").read_text(encoding="utf-8"))
+
+
+def load_core(registry: Registry) -> NativeCore | str:
+    """Return the core of a registry, or the reason why there is none."""
+    import os
+    import sys
+
+    lib = os.environ.get("N40")
+    if not lib:
+        return "none"
+    module = sys.modules[type(registry.handlers[0]).__module__.split(".")[0]]
+    return NativeCore(registry, load_translations(Path(module.__path__[0])), Path(lib))

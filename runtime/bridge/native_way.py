@@ -1,0 +1,157 @@
+"""Way of datagrams through the native core of a bridge: which rows take it, and what it counts.
+
+The Python way stays the definition. A row takes the native way if nothing in Python has to see its datagrams: no
+signature, no limit of the rate, no observer, no address to check or to learn.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import Protocol, runtime_checkable
+
+from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.bridge.handling_times import BOUNDS_S, Latencies
+from roverlink.runtime.bridge.to_peer import OutboundRow
+from roverlink.runtime.core.handler import Route
+from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, EndName, Registry
+from roverlink.runtime.middleware import Publisher, Subscription
+from roverlink.runtime.middleware.serving import LentTopic
+from roverlink.runtime.native import bridge_layout as native
+from roverlink.runtime.native.core import NativeCore
+from roverlink.runtime.native.receiving import InboundTopics, NativeReceiving
+from roverlink.runtime.net.destination import Destination, can_segment
+
+
+@runtime_checkable
+class NativeSubscription(Protocol):
+    """Subscription whose messages the native core can take without Python."""
+
+    def lend_to(self, core: NativeCore, lent: LentTopic) -> None:
+        """Let the core take the messages from now on. It hands those that it cannot convert to the callback.
+
+        Raises AttributeError if the middleware's library lacks a function.
+        """
+
+
+class NativeWay:
+    """Native way of the inbound rows of a bridge."""
+
+    def __init__(
+        self,
+        registry: Registry,
+        core: NativeCore,
+        publisher_of: Callable[[str], Publisher],
+        extra_topics: Mapping[AnyStandardHandler, Publisher],
+        outbound: Iterable[tuple[AnyHandler | AnyStandardHandler, OutboundRow, Subscription]],
+        destinations: Mapping[EndName, Destination],
+        must_sign: Collection[str],
+    ) -> None:
+        """Prepare the way, which no row takes yet.
+
+        ``publisher_of`` returns the publisher of a row by the row's name. ``outbound`` are the topics whose messages go
+        to peers. ``must_sign`` are the peers that must sign.
+        """
+        self._ends, self._row_forwards = [*destinations], dict[str, list[int]]()
+        limits = {peer.name: peer.max_size for peer in registry.peers if peer.max_size is not None}
+        rows = []
+        self.reasons: dict[str, str] = {}
+        """Reason why Python handles the datagrams of a row, by the row's name."""
+        for handler in registry.handlers:
+            route = handler.route
+            if not route.inbound:
+                continue
+            forward = [index for index, end in enumerate(self._ends) if end.peer in route.forward]
+            if signing := {route.peer, *route.forward} & {*must_sign}:
+                self.reasons[route.name] = _signed(signing)
+            extra = [(one, publisher) for one, publisher in extra_topics.items() if one.route.name == route.name]
+            longest = min((limits[peer] for peer in route.forward if peer in limits), default=None)
+            rows.append(InboundTopics(handler, [(handler, publisher_of(route.name)), *extra], forward, longest))
+            self._row_forwards[route.name] = forward
+        links = [] if registry.link is None else [registry.link.number]
+        self.loop = NativeReceiving(core, rows, [*destinations.values()], links, BOUNDS_S)
+        self.reasons = {**self.loop.reasons, **self.reasons}
+        self._outbound: list[tuple[Route, EndName, native.Subscription]] = []
+        for handler, row, subscription in outbound:
+            end = registry.end_of(handler.route)
+            if reason := self._why_not(handler, subscription, core, registry, must_sign):
+                self.reasons[handler.route.name] = reason
+                continue
+            assert isinstance(subscription, NativeSubscription)  # noqa: S101  # or there is a reason
+            struct = native.Subscription(
+                translation=core.index_of(handler),
+                number=handler.route.number,
+                socket=ctypes.pointer(destinations[end].connected_socket),
+                segments=can_segment(),
+            )
+            self._outbound.append((handler.route, end, struct))
+            subscription.lend_to(core, LentTopic(struct, row.send_again))
+
+    @staticmethod
+    def _why_not(
+        handler: AnyHandler | AnyStandardHandler,
+        subscription: Subscription,
+        core: NativeCore,
+        registry: Registry,
+        must_sign: Collection[str],
+    ) -> str:
+        """Return the reason why Python handles the messages of an outbound row; empty if the core can."""
+        route = handler.route
+        if reason := core.reason(handler):
+            return reason
+        if route.peer in must_sign:
+            return _signed([route.peer])
+        if route.max_rate is not None or route.deadman is not None:
+            return "max_rate" if route.max_rate is not None else "deadman"
+        if registry.peers_by_name[route.peer].strip_trailing_zeros:
+            return "strip_trailing_zeros"
+        return "" if isinstance(subscription, NativeSubscription) else "its messages pass through Python"
+
+    def decide(self, refused: Collection[str], unforwarded: Mapping[EndName, Collection[str]]) -> None:
+        """Let all rows take the native way that can, but not those that are refused, or not forwarded to some ends."""
+        kept = {*refused, *(row for rows in unforwarded.values() for row in rows), *self.reasons}
+        for name, row in self.loop.rows.items():
+            row.native = name not in kept
+        for route, _, subscription in self._outbound:
+            subscription.native = route.name not in refused
+
+    def added_to(self, account: Account) -> Account:
+        """Return a copy of an account with the counts of the native core."""
+        counts = self.loop.counts()
+        forwarded = Counter(account.forwarded)
+        for end, count in zip(self._ends, counts.forwarded):
+            forwarded[end.peer] += count
+        taken, sent = Counter(account.taken), Counter(account.sent)
+        for route, _, subscription in self._outbound:
+            taken[route.name] += subscription.taken
+            sent[route.name] += subscription.sent
+        return dataclasses.replace(
+            account,
+            taken=+taken,
+            sent=+sent,
+            received=account.received + counts.received,
+            published=account.published + counts.published,
+            extra_published=account.extra_published + counts.extra_published,
+            forwarded=+forwarded,
+        )
+
+    def latencies(self) -> Latencies:
+        """Return the histogram of the datagrams that the native core handled."""
+        return Latencies(*self.loop.latencies())
+
+    def handled(self, rows: Collection[str]) -> int:
+        """Return how many datagrams of some rows the native core has handled."""
+        return sum(self.loop.rows[name].handled for name in rows if name in self.loop.rows)
+
+    def sent(self) -> Counter[EndName]:
+        """Return how many datagrams the native core has sent to each end."""
+        sent = Counter(dict(zip(self._ends, self.loop.counts().forwarded)))
+        for _, end, subscription in self._outbound:
+            sent[end] += subscription.sent
+        return sent
+
+
+def _signed(peers: Iterable[str]) -> str:
+    return f"datagrams of {', '.join(sorted(peers))} are signed"
