@@ -1,7 +1,6 @@
 // The way of datagrams from the socket to topics and other peers.
 #include <poll.h>
 #include <sys/socket.h>
-#include <time.h>
 
 #include <algorithm>
 #include <memory>
@@ -11,6 +10,7 @@
 #include "roverlink/bridge.h"
 #include "sending.hpp"
 #include "shared_counts.hpp"
+#include "times.hpp"
 
 namespace roverlink {
 namespace {
@@ -19,12 +19,6 @@ constexpr size_t MESSAGE_ROOM = size_t{1} << 20;  // for the messages of one dat
 constexpr int64_t TICK_NS = 2'000'000'000;
 constexpr int64_t PAUSE = 9;  // a publisher that made the thread wait is left alone for so many times as long
 constexpr int SDK_DATA = 2;   // enum ddsi_serdata_kind
-
-int64_t monotonic_ns() {
-  timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 struct Reading {
   mmsghdr headers[RL_SLOTS];
@@ -62,6 +56,7 @@ class Loop {
     while (!load(bridge_.stopping)) {
       // Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
       poll(watched, 2, -1);
+      if (watched[1].revents != 0) return 0;
       if (const int ended = handle_arrived()) return ended;
     }
     return 0;
@@ -124,7 +119,7 @@ class Loop {
         if (const int ended = hand_over(burst)) return ended;
         continue;
       }
-      burst.forward[index] = row->forward;
+      burst.forward[index] = load(row->forward);
       add(row->handled, 1);
       ++handled_;
     }
@@ -157,7 +152,7 @@ class Loop {
   // Publishes the payload on all topics of its row. Returns false, without having published anything, if the datagram
   // has to be handed over.
   bool publish(const rl_row &row, const rl_datagram &datagram, const Burst &burst) {
-    if (!load(row.native) || datagram.size > row.longest) return false;
+    if (!load(row.native) || datagram.size > load(row.longest)) return false;
     // The messages of a topic keep their order.
     const uint32_t *const others = burst.handed_over_rows, *const end = others + burst.n_handed_over;
     if (std::find(others, end, row.number) != end) return false;

@@ -7,6 +7,7 @@
 #include "roverlink/bridge.h"
 #include "sending.hpp"
 #include "shared_counts.hpp"
+#include "times.hpp"
 
 namespace roverlink {
 namespace {
@@ -115,7 +116,9 @@ class Server {
   // Sends the datagrams that have been made.
   int send(uint32_t index, rl_subscription &topic) {
     for (uint32_t done = 0; done < n_datagrams_;) {
-      const uint32_t sent = send_all(load(*topic.socket), topic.segments, datagrams_ + done, n_datagrams_ - done);
+      const int32_t socket = load(topic.native) ? load(*topic.socket) : -1;
+      const uint32_t sent = send_all(socket, topic.segments, datagrams_ + done, n_datagrams_ - done);
+      if (sent != 0) store(topic.sent_at, monotonic_ns());
       add(topic.sent, sent);
       done += sent;
       if (done < n_datagrams_)

@@ -211,6 +211,8 @@ class Bridge:
             steps.callback(self._counters.read_kernel_drops)
             for row in reversed(self._outbound_rows):
                 steps.callback(row.end)
+            if self._native is not None:
+                steps.callback(self._native.end)
             steps.callback(self._middleware.close)
             for paced in reversed(self._paced):
                 steps.callback(paced.end)
@@ -244,6 +246,8 @@ class Bridge:
             self._link.follow(parameters.link_policy)
         if _reading(parameters) != _reading(before):
             self._receiver.pass_to(*self._receiving(parameters))
+        if self._native is not None:
+            self._native.follow(parameters.forward_policy)
         self._choose_way()
         if parameters.receive_buffer != before.receive_buffer:
             udp.size_receive_buffer(self._socket, parameters.receive_buffer)
@@ -275,7 +279,7 @@ class Bridge:
             row.refused = row.name in rows
         self._forwarding.refuse(forwards)
         if self._native is not None:
-            self._native.decide(rows, forwards)
+            self._native.refuse(rows, forwards)
 
     # --- the native way ---
 
@@ -304,7 +308,7 @@ class Bridge:
             self._not_accepted,
             lambda destination, datagrams: self._forwarding.hand_on(datagrams, destination),
         )
-        way.decide((), {})
+        way.follow(self._parameters.forward_policy)
         if self._link is not None:
             self._link.native = way
         return way
@@ -313,8 +317,7 @@ class Bridge:
         """Let the native core read the socket, unless a parameter says that Python has to see all datagrams."""
         policy, learns = _reading(self._parameters)
         restricts = policy == "mapping" and restricts_sources(self._registry.peers)
-        by_python = restricts or learns or self._parameters.forward_policy == "all"
-        self._receiver.use(self._native.loop if self._native is not None and not by_python else None)
+        self._receiver.use(self._native.loop if self._native is not None and not (restricts or learns) else None)
 
     def _not_accepted(self, handler: AnyHandler | AnyStandardHandler) -> None:
         """Count a message of the native core that the middleware has not accepted."""

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import ctypes
 import dataclasses
+import math
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import Protocol, runtime_checkable
+from functools import partial
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.handling_times import BOUNDS_S, Latencies
@@ -21,7 +23,7 @@ from roverlink.runtime.middleware import Publisher, Subscription
 from roverlink.runtime.middleware.serving import LentTopic
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
-from roverlink.runtime.native.receiving import InboundTopics, NativeReceiving
+from roverlink.runtime.native.receiving import ANY_LENGTH, InboundTopics, NativeReceiving
 from roverlink.runtime.net.destination import Destination, can_segment
 
 
@@ -34,6 +36,17 @@ class NativeSubscription(Protocol):
 
         Raises AttributeError if the middleware's library lacks a function.
         """
+
+
+class _Forward(NamedTuple):
+    """To where a row's datagrams are forwarded."""
+
+    destinations: int
+    """Bit by destination."""
+    longest: int
+    """Length in bytes of the longest datagram that all of them take."""
+    is_signed: bool
+    """True if the bridge has to sign for one of them."""
 
 
 class NativeWay:
@@ -54,25 +67,29 @@ class NativeWay:
         ``publisher_of`` returns the publisher of a row by the row's name. ``outbound`` are the topics whose messages go
         to peers. ``must_sign`` are the peers that must sign.
         """
-        self._ends, self._row_forwards = [*destinations], dict[str, list[int]]()
+        self._ends = [*destinations]
+        self._refused: frozenset[str] = frozenset()
+        self._unforwarded: frozenset[str] = frozenset()
+        self._to_all = False
         limits = {peer.name: peer.max_size for peer in registry.peers if peer.max_size is not None}
-        rows = []
-        self.reasons: dict[str, str] = {}
-        """Reason why Python handles the datagrams of a row, by the row's name."""
-        for handler in registry.handlers:
-            route = handler.route
-            if not route.inbound:
-                continue
-            forward = [index for index, end in enumerate(self._ends) if end.peer in route.forward]
-            if signing := {route.peer, *route.forward} & {*must_sign}:
-                self.reasons[route.name] = _signed(signing)
-            extra = [(one, publisher) for one, publisher in extra_topics.items() if one.route.name == route.name]
-            longest = min((limits[peer] for peer in route.forward if peer in limits), default=None)
-            rows.append(InboundTopics(handler, [(handler, publisher_of(route.name)), *extra], forward, longest))
-            self._row_forwards[route.name] = forward
+        self._forwards = {
+            handler.route.name: _Forward(
+                sum(1 << index for index, end in enumerate(self._ends) if end.peer in handler.route.forward),
+                min((limits[peer] for peer in handler.route.forward if peer in limits), default=ANY_LENGTH),
+                bool({*handler.route.forward} & {*must_sign}),
+            )
+            for handler in registry.handlers
+            if handler.route.inbound
+        }
+        rows = [
+            InboundTopics(handler, [(handler, publisher_of(handler.route.name)), *_of_row(handler, extra_topics)])
+            for handler in registry.handlers
+            if handler.route.inbound and handler.route.peer not in must_sign
+        ]
         links = [] if registry.link is None else [registry.link.number]
         self.loop = NativeReceiving(core, rows, [*destinations.values()], links, BOUNDS_S)
-        self.reasons = {**self.loop.reasons, **self.reasons}
+        self.reasons = dict(self.loop.reasons)
+        """Reason why Python handles the messages of a row, by the row's name."""
         self._outbound: list[tuple[Route, EndName, native.Subscription]] = []
         for handler, row, subscription in outbound:
             end = registry.end_of(handler.route)
@@ -87,6 +104,7 @@ class NativeWay:
                 segments=can_segment(),
             )
             self._outbound.append((handler.route, end, struct))
+            row.follow(partial(_sent_at, struct))
             subscription.lend_to(core, LentTopic(struct, row.send_again))
 
     @staticmethod
@@ -102,20 +120,37 @@ class NativeWay:
         if reason := core.reason(handler):
             return reason
         if route.peer in must_sign:
-            return _signed([route.peer])
-        if route.max_rate is not None or route.deadman is not None:
-            return "max_rate" if route.max_rate is not None else "deadman"
+            return f"datagrams of {route.peer} are signed"
+        if route.max_rate is not None:
+            return "max_rate"
         if registry.peers_by_name[route.peer].strip_trailing_zeros:
             return "strip_trailing_zeros"
         return "" if isinstance(subscription, NativeSubscription) else "its messages pass through Python"
 
-    def decide(self, refused: Collection[str], unforwarded: Mapping[EndName, Collection[str]]) -> None:
-        """Let all rows take the native way that can, but not those that are refused, or not forwarded to some ends."""
-        kept = {*refused, *(row for rows in unforwarded.values() for row in rows), *self.reasons}
+    def refuse(self, rows: frozenset[str], forwards: Mapping[EndName, frozenset[str]]) -> None:
+        """Let no row take the native way that is refused, or no longer forwarded to some ends."""
+        self._refused, self._unforwarded = rows, frozenset().union(*forwards.values())
+        self._decide()
+
+    def follow(self, forward_policy: str) -> None:
+        """Use a policy from now on: ``mapping`` forwards to the peers that a row names, ``all`` to every peer."""
+        self._to_all = forward_policy == "all"
+        self._decide()
+
+    def _decide(self) -> None:
+        kept = self._refused if self._to_all else self._refused | self._unforwarded
         for name, row in self.loop.rows.items():
-            row.native = name not in kept
+            forward = self._forwards[name]
+            row.forward = (1 << len(self._ends)) - 1 if self._to_all else forward.destinations
+            row.longest = ANY_LENGTH if self._to_all else forward.longest
+            row.native = name not in kept and (self._to_all or not forward.is_signed)
         for route, _, subscription in self._outbound:
-            subscription.native = route.name not in refused
+            subscription.native = route.name not in self._refused
+
+    def end(self) -> None:
+        """Let no row take the native way any more. Call it before the stops are sent, which nothing may follow."""
+        for _, _, subscription in self._outbound:
+            subscription.native = False
 
     def added_to(self, account: Account) -> Account:
         """Return a copy of an account with the counts of the native core."""
@@ -153,5 +188,11 @@ class NativeWay:
         return sent
 
 
-def _signed(peers: Iterable[str]) -> str:
-    return f"datagrams of {', '.join(sorted(peers))} are signed"
+def _sent_at(struct: native.Subscription) -> float:
+    return struct.sent_at / 1e9 if struct.sent_at else -math.inf
+
+
+def _of_row(
+    handler: AnyHandler, extra_topics: Mapping[AnyStandardHandler, Publisher]
+) -> list[tuple[AnyStandardHandler, Publisher]]:
+    return [(one, publisher) for one, publisher in extra_topics.items() if one.route.name == handler.route.name]

@@ -144,7 +144,15 @@ class OutboundRow:
     def send_again(self, datagram: bytes) -> None:
         """Send a datagram that the native core has made but could not send, and count it."""
         with self._lock:
-            self._send_and_count([datagram])
+            if self._ended:
+                self._account.superseded[self.name] += 1
+            else:
+                self._send_and_count([datagram])
+
+    def follow(self, last_sent: Callable[[], float]) -> None:
+        """Let the watchdog, if the row has one, ask when the native core last sent a datagram of the row."""
+        if self._watchdog is not None:
+            self._watchdog.last_sent = last_sent
 
     def _send_and_count(self, datagrams: Sequence[bytes]) -> None:
         sent = self._send(datagrams)

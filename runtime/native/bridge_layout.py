@@ -119,6 +119,7 @@ class Subscription(ctypes.Structure):
         *_words("segments", "unused"),
         ("taken", ctypes.c_uint64),
         ("sent", ctypes.c_uint64),
+        ("sent_at", ctypes.c_int64),
     )
 
 

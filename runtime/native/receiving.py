@@ -18,7 +18,8 @@ from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
 from roverlink.runtime.net.destination import Destination, can_segment
 
-_ANY_LENGTH = 0xFFFFFFFF
+ANY_LENGTH = 0xFFFFFFFF
+"""Length of the longest datagram of a row whose datagrams may have any length."""
 
 
 @runtime_checkable
@@ -39,10 +40,6 @@ class InboundTopics:
     handler: AnyHandler
     publishers: Sequence[tuple[AnyHandler | AnyStandardHandler, Any]]
     """Handler and publisher of the row's own topic, then those of its extra topics."""
-    forward: Sequence[int]
-    """Indices of the destinations to which the row's datagrams are forwarded."""
-    longest: int | None
-    """Length in bytes of the longest datagram that all these destinations take; None for any length."""
 
 
 class NativeCounts(NamedTuple):
@@ -81,13 +78,11 @@ class NativeReceiving:
         self._topics = [handler for row in able for handler, _ in row.publishers]
         self._own = {id(row.handler) for row in able}
         self._topic_structs = (native.Topic * len(self._topics))()
-        numbered = {number: native.Row(number=number, at_once=1, longest=_ANY_LENGTH) for number in at_once}
+        numbered = {number: native.Row(number=number, at_once=1, longest=ANY_LENGTH) for number in at_once}
         functions, first = native.MiddlewareFunctions(), 0
         for row in able:
             number = row.handler.route.number
             numbered[number] = native.Row(number=number, first_topic=first, topics=len(row.publishers))
-            numbered[number].longest = _ANY_LENGTH if row.longest is None else row.longest
-            numbered[number].forward = sum(1 << index for index in row.forward)
             for index, (handler, publisher) in enumerate(row.publishers, first):
                 self._topic_structs[index].translation = core.index_of(handler)
                 publisher.lend_to(self._topic_structs[index], functions)
@@ -144,8 +139,8 @@ class NativeReceiving:
         """Read from ``sock``, at most ``largest`` bytes of a datagram; data on ``wake`` ends the wait for datagrams.
 
         ``handle`` gets the datagrams that the core does not handle, and nothing once in two seconds.
-        ``not_published`` gets the handler of a message that the middleware has not accepted. ``send`` gets the datagrams
-        that the core cannot send.
+        ``not_published`` gets the handler of a message that the middleware has not accepted. ``send`` gets the
+        datagrams that the core cannot send.
         """
         topics, destinations = self._topics, self._destinations
 

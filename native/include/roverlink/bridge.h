@@ -62,8 +62,8 @@ typedef struct rl_row {
   uint32_t at_once;       /* the row's datagrams are handed over before any later one is handled */
   uint32_t first_topic;   /* the row's own topic; behind it are the extra topics */
   uint32_t topics;
-  uint32_t longest;       /* longer datagrams are handed over */
-  uint64_t forward;       /* bit by destination */
+  uint32_t longest;       /* P: longer datagrams are handed over */
+  uint64_t forward;       /* P: bit by destination */
   uint64_t handled;       /* N: datagrams */
 } rl_row;
 
@@ -96,15 +96,15 @@ typedef struct rl_bridge {
   double latency_sum;          /* N: seconds */
   uint64_t received;           /* N: datagrams that were not handed over */
   uint32_t n_topics, n_rows, n_destinations, n_bounds;
-  int32_t socket, wake;        /* file descriptors; a byte on `wake` ends the wait */
+  int32_t socket, wake;        /* file descriptors */
   uint32_t largest;            /* longest datagram that is read; longer ones are cut */
-  uint32_t stopping;           /* P: 1 makes `rl_receive` return */
+  uint32_t stopping;           /* P: 1 makes `rl_receive` return, also if datagrams arrive all the time */
 } rl_bridge;
 
 /* RL_OK, or RL_WRONG_TABLE if an index leads out of an array. */
 int rl_check_bridge(const rl_bridge *);
 
-/* Handle datagrams until `stopping` is set. Returns 0, what a call of Python returned if that was not 0, or -1 if memory
+/* Handle datagrams until `stopping` is set or `wake` has data. Returns 0, what a call of Python returned if that was not 0, or -1 if memory
  * is short. */
 int rl_receive(rl_bridge *);
 
@@ -131,11 +131,12 @@ typedef struct rl_subscription {
   uint32_t translation;
   uint32_t number;         /* of the envelope's field */
   int32_t reader;          /* of Cyclone DDS */
-  uint32_t native;         /* P: 0 hands the messages over */
+  uint32_t native;         /* P: 0 hands the messages over, and also datagrams that are not sent yet */
   const int32_t *socket;   /* P: see rl_destination */
   uint32_t segments;
   uint32_t unused;
   uint64_t taken, sent;    /* N */
+  int64_t sent_at;         /* N: time of the last datagram, in nanoseconds of the monotonic clock */
 } rl_subscription;
 
 /* Calls of Python; `topic` is an index in `topics`. Each returns 0; any other number ends `rl_serve`. */
