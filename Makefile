@@ -13,7 +13,9 @@ FUZZ_SECONDS ?= 60
 # Without the compiled modules, each program that a test starts compiles all of roverlink again.
 unexport PYTHONDONTWRITEBYTECODE
 RUNTIME_INTERFACES := roverlink.generator.emit.targets.python.runtime_interfaces
-HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs conftest.py
+HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs conftest.py hatch_build.py
+# An editable install compiles the native core from these.
+NATIVE := hatch_build.py $(wildcard native/include/roverlink/*.h native/src/*)
 
 .PHONY: help demo test test-all exhaustive test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision bench-video mutation pictures generate docs docs-reference clean
 
@@ -137,7 +139,7 @@ $(VENV)/ready-dist: | $(VENV)/bin/python
 	@touch $@
 
 # Not --quiet: pip shows the progress of each download.
-$(addprefix $(VENV)/,ready ready-demo ready-dev ready-full ready-vision ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml rover/pyproject.toml check_launch/pyproject.toml | $(VENV)/bin/python
+$(addprefix $(VENV)/,ready ready-demo ready-dev ready-full ready-vision ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml rover/pyproject.toml check_launch/pyproject.toml $(NATIVE) | $(VENV)/bin/python
 	@echo "installing in $(VENV): about $(SIZE) MB on the disk; the first time, this can take minutes"
 	@$(BIN)/python -m pip install --disable-pip-version-check $(addprefix --editable ,$(PACKAGES)) $(OPENCV_PIN)
 	@touch $@

@@ -40,7 +40,8 @@ class Writer {
         Number number{};
         return compute(table_, table_.expressions[op.a], frame, &number) && put_number(number, op.type);
       }
-      case RL_TEXT: return text(slot, op.a);
+      case RL_TEXT: return text(slot.set == 0 && op.b != RL_NONE ? stored(op.b) : slot, op.a);
+      case RL_CHOICE: return choice(op, slot.bits);
       case RL_OCTETS: return octets(op, slot);
       case RL_LIST: return list(op, index, slot);
       case RL_MAP: return map(op, index, slot);
@@ -82,6 +83,21 @@ class Writer {
     std::memcpy(body_ + used_, data, size);
     used_ += size;
     return true;
+  }
+
+  // A text of the table.
+  Slot stored(uint32_t index) const {
+    Slot slot{};
+    slot.bytes = table_.bytes + table_.words[index];
+    slot.size = static_cast<uint32_t>(table_.words[index + 1]);
+    return slot;
+  }
+
+  bool choice(const rl_op &op, uint64_t value) {
+    const uint64_t *words = table_.words + op.a;
+    for (uint32_t number = 0; number < words[0]; ++number)
+      if (words[1 + 3 * number] == value) return text(stored(op.a + 2 + 3 * number), RL_NONE);
+    return op.b != RL_NONE && text(stored(op.b), RL_NONE);
   }
 
   bool text(const Slot &slot, uint32_t bound) {

@@ -26,11 +26,33 @@ class Checker {
            within(index + 1, table_.words[index] * each, table_.n_words);
   }
 
-  // Layouts refer only to layouts before them, so that no message contains itself.
+  // A text in `words`.
+  bool text(uint32_t index) const {
+    return within(index, 2, table_.n_words) && slice(table_.words[index], table_.words[index + 1]);
+  }
+
+  // Bytes in `bytes`.
+  bool slice(uint64_t start, uint64_t size) const {
+    return start <= table_.n_bytes && size <= table_.n_bytes - start;
+  }
+
+  // Cases of RL_CHOICE and RL_CASE.
+  bool cases(uint32_t index) const {
+    if (!counted(index, 3)) return false;
+    for (uint64_t number = 0; number < table_.words[index]; ++number)
+      if (!text(index + 2 + 3 * static_cast<uint32_t>(number))) return false;
+    return true;
+  }
+
+  // Layouts refer only to layouts before them, so that no frame contains itself; opaque fields have no frame.
   bool layout(uint32_t index) const {
     const rl_layout &own = table_.layouts[index];
     if (!within(own.first_field, own.fields, table_.n_fields) || own.slots > kMostSlots) return false;
     if (!within(own.defaults, uint64_t{2} * own.slots, table_.n_words)) return false;
+    for (uint32_t slot = 0; slot < own.slots; ++slot) {
+      const uint64_t *words = table_.words + own.defaults + 2 * slot;
+      if (words[1] != 0 && !slice(words[0], words[1])) return false;
+    }
     uint32_t last = 0;
     for (uint32_t number = 0; number < own.fields; ++number) {
       const rl_field &field = table_.fields[own.first_field + number];
@@ -38,11 +60,11 @@ class Checker {
       last = field.number;
       if (field.extent == 0 || !within(field.slot, field.extent, own.slots)) return false;
       if (field.oneof != RL_NONE && field.oneof >= own.slots) return false;
-      if (field.type == roverlink::PROTO_GROUP) return false;
-      if (field.type == roverlink::PROTO_MESSAGE) {
-        if (field.layout >= index) return false;
-        const bool repeated = (field.flags & RL_REPEATED) != 0;
-        if (field.extent != (repeated ? 1 : 1 + table_.layouts[field.layout].slots)) return false;
+      if (roverlink::is_message(field.type)) {
+        const bool is_opaque = (field.flags & RL_OPAQUE) != 0;
+        if (field.layout >= (is_opaque ? table_.n_layouts : index)) return false;
+        const bool is_apart = is_opaque || (field.flags & RL_REPEATED) != 0;
+        if (field.extent != (is_apart ? 1 : 1 + table_.layouts[field.layout].slots)) return false;
       } else if (field.layout != RL_NONE && !counted(field.layout, 1)) {
         return false;
       }
@@ -60,8 +82,9 @@ class Checker {
   }
 
   bool translation(const rl_translation &own) const {
-    if (own.layout >= table_.n_layouts) return false;
-    if (!body(own.to_cdr, own.to_cdr_size, table_.layouts[own.layout].slots, 0)) return false;
+    if (own.layout != RL_NONE &&
+        (own.layout >= table_.n_layouts || !body(own.to_cdr, own.to_cdr_size, table_.layouts[own.layout].slots, 0)))
+      return false;
     if (own.cdr_slots == RL_NONE) return true;
     return own.cdr_slots <= kMostSlots && body(own.from_cdr, own.from_cdr_size, own.cdr_slots, 0) &&
            body(own.to_proto, own.to_proto_size, own.cdr_slots, 0);
@@ -105,7 +128,9 @@ class Checker {
     switch (op.code) {
       case RL_COPY: case RL_NARROW: return is_primitive && has(op.slot, 1);
       case RL_COMPUTE: return is_primitive && computes(op.a, 1);
-      case RL_TEXT: case RL_OCTETS: case RL_PRESENCE: return has(op.slot, 1);
+      case RL_OCTETS: case RL_PRESENCE: return has(op.slot, 1);
+      case RL_TEXT: return has(op.slot, 1) && (op.b == RL_NONE || text(op.b));
+      case RL_CHOICE: return has(op.slot, 1) && cases(op.a) && (op.b == RL_NONE || text(op.b));
       case RL_LIST: return has(op.slot, 1) && op.number <= kMostSlots;
       case RL_MAP: return has(op.slot, 1) && op.b < op.number && op.number <= kMostSlots;
       case RL_BYTES: return is_primitive && within(op.a, op.b, table_.n_bytes);
@@ -114,8 +139,11 @@ class Checker {
       case RL_TIME: case RL_DURATION: return has(op.slot, 2);
       case RL_QUATERNION: return computes(op.a, 3);
       case RL_MOMENT: return computes(op.a, 1);
-      case RL_FIELD: return is_proto && has(op.slot, 1) && (op.a == RL_NONE || computes(op.a, 1));
-      case RL_MESSAGE: return true;
+      case RL_FIELD:
+        return is_proto && has(op.slot, 1) && (op.a == RL_NONE || computes(op.a, 1)) &&
+               (op.b == RL_NONE || counted(op.b, 1));
+      case RL_CASE: return is_proto && has(op.slot, 1) && cases(op.a);
+      case RL_MESSAGE: return roverlink::is_message(op.type);
       case RL_REPEAT: case RL_PACKED:
         return has(op.slot, 1) && op.b <= kMostSlots && ((op.flags & RL_UNIQUE) == 0 || op.a < op.b);
       case RL_ANGLES: return has(op.slot, 3) && has(op.a, 4);

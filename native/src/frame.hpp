@@ -63,13 +63,14 @@ enum : uint8_t {  // google.protobuf.FieldDescriptorProto.Type
   PROTO_SINT32, PROTO_SINT64, PROTO_TYPES
 };
 
-enum Wire : uint32_t { VARINT = 0, FIXED64 = 1, DELIMITED = 2, FIXED32 = 5 };
+enum Wire : uint32_t { VARINT = 0, FIXED64 = 1, DELIMITED = 2, START_GROUP = 3, END_GROUP = 4, FIXED32 = 5 };
 
 inline Wire wire_of(uint8_t type) {
   switch (type) {
     case PROTO_DOUBLE: case PROTO_FIXED64: case PROTO_SFIXED64: return FIXED64;
     case PROTO_FLOAT: case PROTO_FIXED32: case PROTO_SFIXED32: return FIXED32;
     case PROTO_STRING: case PROTO_BYTES: case PROTO_MESSAGE: return DELIMITED;
+    case PROTO_GROUP: return START_GROUP;
     default: return VARINT;
   }
 }
@@ -91,7 +92,16 @@ inline uint64_t sign_extended(uint64_t bits) {
   return static_cast<uint64_t>(static_cast<int64_t>(static_cast<int32_t>(static_cast<uint32_t>(bits))));
 }
 
+inline bool is_message(uint8_t type) { return type == PROTO_MESSAGE || type == PROTO_GROUP; }
+
 bool is_utf8(const uint8_t *text, size_t size);
+
+// Values of a closed enum: a count, and the values.
+inline bool is_listed(const uint64_t *values, uint64_t value) {
+  for (uint64_t index = 1; index <= values[0]; ++index)
+    if (values[index] == value) return true;
+  return false;
+}
 
 // The steps of a translation. Each returns false if the message has to be handed over.
 bool read_proto(const rl_table &, uint32_t layout, rl_workspace &, const uint8_t *data, size_t size, Slot *frame);

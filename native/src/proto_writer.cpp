@@ -26,7 +26,10 @@ class Writer {
     const Slot &slot = frame[op.slot];
     switch (op.code) {
       case RL_FIELD: return field(op, frame);
+      case RL_CASE: return chosen(op, slot);
       case RL_MESSAGE: {
+        if (op.type == PROTO_GROUP)
+          return tag(op.number, END_GROUP) && run(index + 1, op.size, frame) && tag(op.number, START_GROUP);
         const uint8_t *end = at_;
         return run(index + 1, op.size, frame) && head(op.number, end);
       }
@@ -51,12 +54,10 @@ class Writer {
   // Field `number` from a slot or from expression `a`; number 0 is an element of a packed list, which has no tag.
   bool field(const rl_op &op, const Slot *frame) {
     const Slot &slot = frame[op.slot];
-    const bool implicit = (op.flags & RL_IMPLICIT) != 0;
     const Wire wire = wire_of(op.type);
     if (wire == DELIMITED) {
-      if (implicit && slot.size == 0) return true;
-      if (!bytes(slot.bytes, slot.size) || !varint(slot.size)) return false;
-      return tag(op.number, wire);
+      if ((op.flags & RL_IMPLICIT) != 0 && slot.size == 0) return true;
+      return bytes(slot.bytes, slot.size) && varint(slot.size) && tag(op.number, wire);
     }
     uint64_t bits = slot.bits;
     if (op.a != RL_NONE) {
@@ -64,7 +65,23 @@ class Writer {
       if (!compute(table_, table_.expressions[op.a], frame, &number) || !fit(number, primitive_of(op.type), &bits))
         return false;
     }
-    if (implicit && bits == 0) return true;
+    return (op.b == RL_NONE || is_listed(table_.words + op.b, bits)) && scalar(op, wire, bits);
+  }
+
+  // Field `number` with the number whose text is in a slot.
+  bool chosen(const rl_op &op, const Slot &slot) {
+    const uint64_t *words = table_.words + op.a;
+    for (uint64_t number = 0; number < words[0]; ++number) {
+      const uint64_t *one = words + 1 + 3 * number;
+      if (one[2] == slot.size && (slot.size == 0 || std::memcmp(table_.bytes + one[1], slot.bytes, slot.size) == 0))
+        return scalar(op, wire_of(op.type), one[0]);
+    }
+    return false;
+  }
+
+  // A number with its tag.
+  bool scalar(const rl_op &op, Wire wire, uint64_t bits) {
+    if ((op.flags & RL_IMPLICIT) != 0 && bits == 0) return true;
     if (op.type == PROTO_SINT32) {
       const auto low = static_cast<uint32_t>(bits);
       bits = (low << 1) ^ (0u - (low >> 31));

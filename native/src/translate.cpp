@@ -7,6 +7,8 @@ using roverlink::Slot;
 
 extern "C" {
 
+uint32_t rl_interface(void) { return RL_INTERFACE; }
+
 rl_workspace *rl_workspace_new(size_t bytes) {
   auto *workspace = static_cast<rl_workspace *>(std::malloc(sizeof(rl_workspace)));
   auto *memory = static_cast<uint8_t *>(std::malloc(bytes));
@@ -29,6 +31,7 @@ int rl_to_cdr(const rl_table *table, uint32_t index, rl_workspace *workspace, co
               size_t payload_size, int32_t sec, uint32_t nanosec, uint8_t *out, size_t *size) {
   workspace->used = 0;
   const rl_translation &translation = table->translations[index];
+  if (translation.layout == RL_NONE) return RL_HAND_OVER;
   auto *frame = workspace->take<Slot>(table->layouts[translation.layout].slots);
   const bool done =
       frame != nullptr && roverlink::read_proto(*table, translation.layout, *workspace, payload, payload_size, frame) &&
@@ -40,7 +43,7 @@ int rl_to_proto(const rl_table *table, uint32_t index, rl_workspace *workspace, 
                 uint8_t *out, size_t *size) {
   workspace->used = 0;
   const rl_translation &translation = table->translations[index];
-  if (translation.cdr_slots == RL_NONE) return RL_HAND_OVER;  // the payload cannot be computed from the message
+  if (translation.cdr_slots == RL_NONE) return RL_HAND_OVER;
   auto *frame = workspace->take<Slot>(translation.cdr_slots);
   const bool done = frame != nullptr &&
                     roverlink::read_cdr(*table, translation, *workspace, cdr, cdr_size, frame) &&

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Mapping, Sequence as Items
+from collections.abc import Callable, Mapping
+from collections.abc import Sequence as Items
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,7 +24,7 @@ from roverlink.runtime.core.messages import (
     fields_of,
 )
 from roverlink.runtime.native.layout import NONE, Code, Expression, ExpressionFlag, Flag, Number, Op, Step
-from roverlink.runtime.native.payload_layouts import PayloadLayouts, Place, UnsupportedError
+from roverlink.runtime.native.payload_layouts import PayloadLayouts, Place, UnsupportedError, message_in
 
 Json = Mapping[str, Any]
 
@@ -86,7 +87,6 @@ class Programs:
     payloads: PayloadLayouts
     expressions: list[Expression] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
-    bytes: bytearray = field(default_factory=bytearray)
 
     # --- payload to CDR: messages of the package ---
 
@@ -118,61 +118,59 @@ class Programs:
         return self._write_value(ros.type, one, place)
 
     def _write_map(self, type: FieldType, entry: Json, place: Place) -> list[Op]:
-        inner = self._element(type)
-        assert isinstance(inner, builtin_type)
-        map_entry = place.field.message_type
+        inner, map_entry = _message_class(self._element(type)), message_in(place.field)
         body: list[Op] = []
         for ros, name in zip(fields_of(inner), ("key", "value")):
             body += self._write_value(ros.type, entry[name], self.payloads.place(map_entry, name))
         key = self.payloads.place(map_entry, "key")
         flags = _key_flags(key.field) | Flag.FRAMES
         bound = type.bound if isinstance(type, Sequence) and type.bound is not None else NONE
-        return _body(_op(Code.MAP, slot=place.slot, a=bound, b=key.slot, flags=flags, number=self.payloads.slots(map_entry)), body)
+        return _body(
+            _op(Code.MAP, slot=place.slot, a=bound, b=key.slot, flags=flags, number=self.payloads.slots(map_entry)),
+            body,
+        )
 
     def _write_value(self, type: FieldType, one: Json, place: Place) -> list[Op]:
         kind = one.get("kind", "value")
         if "wrapping" in one:
-            place = self.payloads.place(place.field.message_type, one["wrapping"], place.slot + 1)
+            place = self.payloads.place(message_in(place.field), one["wrapping"], place.slot + 1)
             one = {key: value for key, value in one.items() if key != "wrapping"}
             if place.field.is_repeated:
                 return self._write_list(type, one, place)
         if kind == "held":
-            assert isinstance(type, builtin_type)
-            (inner_field,) = fields_of(type)
+            (inner_field,) = fields_of(_message_class(type))
             return self._write_plain(inner_field.type, place)
         if kind == "message":
-            assert isinstance(type, builtin_type)
-            return self.to_cdr(type, place.field.message_type, place.slot + 1)
+            return self.to_cdr(_message_class(type), message_in(place.field), place.slot + 1)
         if kind == "well_known":
-            return [_op(self._time(one), slot=self.payloads.place(place.field.message_type, "seconds", place.slot + 1).slot)]
+            return [
+                _op(self._time(one), slot=self.payloads.place(message_in(place.field), "seconds", place.slot + 1).slot)
+            ]
         if kind == "json":
             raise UnsupportedError(f"{place.field.full_name} is JSON text")
         return self._write_plain(type, place)
 
     def _write_plain(self, type: FieldType, place: Place) -> list[Op]:
         if isinstance(type, Text):
-            return [_op(Code.TEXT, slot=place.slot, a=NONE if type.bound is None else type.bound)]
+            return [_op(Code.TEXT, slot=place.slot, a=NONE if type.bound is None else type.bound, b=NONE)]
         if isinstance(type, (Sequence, Array)):
-            head = self._list(type, place.slot)
             if place.field.type != FieldDescriptor.TYPE_BYTES or type.element != UINT8:
                 raise UnsupportedError(f"{place.field.full_name} is a list in a list")
-            head.code = Code.OCTETS
-            return [head]
-        assert isinstance(type, Primitive)
-        if _ROS_TYPE.get(place.field.type) == type.name:
-            return [_op(Code.COPY, slot=place.slot, type=_type(type))]
+            return [self._octets(type, place.slot)]
+        primitive = _primitive(type)
+        if _ROS_TYPE.get(place.field.type) == primitive.name:
+            return [_op(Code.COPY, slot=place.slot, type=_type(primitive))]
         if place.field.type == FieldDescriptor.TYPE_ENUM:
-            return [_op(Code.NARROW, slot=place.slot, type=_type(type))]
-        raise UnsupportedError(f"{place.field.full_name} becomes {type.name}")
+            return [_op(Code.NARROW, slot=place.slot, type=_type(primitive))]
+        raise UnsupportedError(f"{place.field.full_name} becomes {primitive.name}")
 
     def _which(self, one: Json, type: FieldType, message: type[Message], descriptor: Descriptor, slot: int) -> Op:
-        assert isinstance(type, Primitive)
         cases = self._member_cases(one, message, descriptor)
-        return _op(Code.WHICH, slot=slot, type=_type(type), a=self._words([len(cases) // 2, *cases]))
+        return _op(Code.WHICH, slot=slot, type=_type(_primitive(type)), a=self._words([len(cases) // 2, *cases]))
 
     def _member_cases(self, one: Json, message: type[Message], descriptor: Descriptor) -> list[int]:
         *holders, _ = one["proto"].split(".")
-        holder = self.payloads.place(descriptor, ".".join(holders)).field.message_type if holders else descriptor
+        holder = message_in(_field_at(descriptor, ".".join(holders))) if holders else descriptor
         cases: list[int] = []
         for member, constant in one["choices"].items():
             cases += [holder.fields_by_name[member].number, getattr(message, constant)]
@@ -192,15 +190,16 @@ class Programs:
     def _list(type: FieldType, slot: int) -> Op:
         if isinstance(type, Array):
             return _op(Code.LIST, slot=slot, b=type.length, number=1, flags=Flag.ARRAY)
-        assert isinstance(type, Sequence)
+        if not isinstance(type, Sequence):
+            raise UnsupportedError(f"a list becomes {cdr.type_name(type)}")
         return _op(Code.LIST, slot=slot, a=NONE if type.bound is None else type.bound, number=1)
 
     def _write_list(self, type: FieldType, one: Json, place: Place) -> list[Op]:
-        """Return the operations that write a repeated field; an element is a frame of one slot, or that of a message."""
+        """Return the operations that write a repeated field; elements are frames: of one slot, or of a message."""
         head = self._list(type, place.slot)
         if place.field.message_type is not None:
             head.flags |= Flag.FRAMES
-            head.number = self.payloads.slots(place.field.message_type)
+            head.number = self.payloads.slots(message_in(place.field))
             return _body(head, self._write_value(self._element(type), one, Place(place.field, -1)))
         return _body(head, self._write_value(self._element(type), one, Place(place.field, 0)))
 
@@ -209,9 +208,8 @@ class Programs:
         return len(self.payloads.words) - len(words)
 
     def _constant(self, data: bytes, aligned_to: str) -> Op:
-        start = len(self.bytes)
-        self.bytes += data
-        return _op(Code.BYTES, a=start, b=len(data), type=_PRIMITIVES.index(aligned_to))
+        start, size = self.payloads.text(data)
+        return _op(Code.BYTES, a=start, b=size, type=_PRIMITIVES.index(aligned_to))
 
     # --- payload to CDR: standard messages ---
 
@@ -226,8 +224,7 @@ class Programs:
             if one is None:
                 ops += self._fixed(ros.type, default_of(ros.type)())
             elif "parts" in one:
-                assert isinstance(ros.type, builtin_type)
-                ops += self.standard_to_cdr(ros.type, one["parts"], descriptor)
+                ops += self.standard_to_cdr(_message_class(ros.type), one["parts"], descriptor)
             else:
                 ops += self._filled(ros.type, one, descriptor)
         return ops
@@ -264,8 +261,7 @@ class Programs:
             return [_op(Code.MOMENT, a=self._expression(self._number(one["moment"], descriptor)))]
         place = self.payloads.place(descriptor, one["from"])
         if place.field.is_repeated:
-            inner = self._element(type)
-            assert isinstance(inner, Primitive)
+            inner = _primitive(self._element(type))
             item = self._number(one, descriptor, Place(place.field, 0))
             return _body(
                 self._list(type, place.slot),
@@ -273,9 +269,21 @@ class Programs:
             )
         if isinstance(type, Primitive) and (one.keys() - {"ros", "from"} or _ROS_TYPE[place.field.type] != type.name):
             return [_op(Code.COMPUTE, type=_type(type), a=self._expression(self._number(one, descriptor, place)))]
-        if one.keys() - {"ros", "from"}:
-            raise UnsupportedError(f"the text {place.field.full_name} has a default or cases")
-        return self._write_plain(type, place)
+        otherwise = self._words([*self.payloads.text(one["otherwise"])]) if "otherwise" in one else NONE
+        if "cases" in one:
+            return [_op(Code.CHOICE, slot=place.slot, a=self._cases(one["cases"]), b=otherwise)]
+        (op,) = self._write_plain(type, place)
+        if otherwise != NONE:
+            if op.code != Code.TEXT:
+                raise UnsupportedError(f"{place.field.full_name} has a default")
+            op.b = otherwise
+        return [op]
+
+    def _cases(self, cases: Items[tuple[int, str]]) -> int:
+        """Keep cases of numbers and texts, and return their index."""
+        return self._words(
+            [len(cases), *(word for number, text in cases for word in (number, *self.payloads.text(text)))]
+        )
 
     def _expression(self, expression: Expression) -> int:
         self.expressions.append(expression)
@@ -290,16 +298,16 @@ class Programs:
         if ros is None:
             raise UnsupportedError(f"{place.field.full_name} is no number")
         source = _SOURCES.get(ros, Number.UNSIGNED if ros[0] in "ub" else Number.SIGNED)
-        return self._made(one, place.slot, source, presence=place.slot if "otherwise" in one and "cases" not in one else NONE)
+        return self._made(
+            one, place.slot, source, presence=place.slot if "otherwise" in one and "cases" not in one else NONE
+        )
 
     def _made(self, one: Json, slot: int, source: Number, presence: int = NONE) -> Expression:
         first = len(self.steps)
-        whole = True
         for operator, value in one.get("steps", ()):
-            whole = whole and isinstance(value, int) and operator != "/"
-            self.steps.append(Step(_STEPS[operator], 0, float(value), value if isinstance(value, int) else 0))
-        flags = ExpressionFlag.WHOLE * whole | ExpressionFlag.ROUND * one.get("round", False)
-        flags |= ExpressionFlag.CHECK_SINGLE * one.get("single", False)
+            whole = isinstance(value, int)
+            self.steps.append(Step(_STEPS[operator], whole, 0.0 if whole else value, value if whole else 0))
+        flags = ExpressionFlag.ROUND * one.get("round", False) | ExpressionFlag.CHECK_SINGLE * one.get("single", False)
         cases = NONE
         if "cases" in one:
             listed = [word for key, value in one["cases"] for word in (key, *_value(value))]
@@ -309,40 +317,68 @@ class Programs:
 
     # --- CDR to a frame ---
 
-    def from_cdr(self, type: FieldType, frame: RosFrame, path: str, lists: frozenset[str]) -> list[Op]:
+    def from_cdr(self, type: FieldType, frame: RosFrame, path: str, descriptor: Descriptor | None = None) -> list[Op]:
         """Return the operations that read a ROS value into a frame, which gets slots for the value's leaves.
 
-        ``lists`` are the paths of sequences of octets that become a list of numbers in the payload, not bytes.
+        ``descriptor`` is the proto message if the value is a message of the package.
         """
         if isinstance(type, Primitive):
             return [_op(Code.COPY, slot=frame.new(path), type=_type(type))]
         if isinstance(type, Text):
-            return [_op(Code.TEXT, slot=frame.new(path))]
+            return [_op(Code.TEXT, slot=frame.new(path), b=NONE)]
         if isinstance(type, (Sequence, Array)):
-            head = self._list(type, frame.new(path))
-            if type.element == UINT8 and path not in lists:
-                head.code = Code.OCTETS
-                return [head]
-            element = frame.elements[path] = RosFrame()
-            body = self.from_cdr(type.element, element, "", frozenset())
-            head.number = element.size
-            return _body(head, body)
+            if type.element == UINT8:
+                return [self._octets(type, frame.new(path))]
+            return self._read_list(type, frame, path, descriptor)
         fields = fields_of(type)
         if not fields:
             return [_op(Code.COPY, slot=frame.new(_joined(path, "structure_needs_at_least_one_member")), type=2)]
-        return [op for one in fields for op in self.from_cdr(one.type, frame, _joined(path, one.name), lists)]
+        if descriptor is None:
+            return [op for one in fields for op in self.from_cdr(one.type, frame, _joined(path, one.name))]
+        conversions = self._conversions(type)
+        return [
+            op
+            for one in fields
+            for op in self._read(one, conversions[one.name], type, descriptor, frame, _joined(path, one.name))
+        ]
 
-    def octet_lists(self, message: type[Message], path: str = "") -> frozenset[str]:
-        """Return the paths of a package message's sequences of octets that are repeated enums in the payload."""
-        found: set[str] = set()
-        for ros in fields_of(message):
-            one = self._conversions(message)[ros.name]
-            own = _joined(path, ros.name)
-            if one.get("repeated") and isinstance(ros.type, Sequence) and ros.type.element == UINT8:
-                found.add(own)
-            elif one.get("kind") == "message" and not one.get("repeated") and isinstance(ros.type, builtin_type):
-                found |= self.octet_lists(ros.type, own)
-        return frozenset(found)
+    def _read(
+        self, ros: Field, one: Json, message: type[Message], descriptor: Descriptor, frame: RosFrame, path: str
+    ) -> list[Op]:
+        """Return the operations that read a field of a message of the package."""
+        if one.get("kind") == "which":
+            return [self._which(one, ros.type, message, descriptor, frame.new(path))]
+        if one.get("kind") in ("presence", "empty"):
+            return self.from_cdr(ros.type, frame, path)
+        proto = _field_at(descriptor, one["proto"])
+        if "wrapping" in one:
+            proto = message_in(proto).fields_by_name[one["wrapping"]]
+        if "entry" in one:
+            return self._read_map(ros.type, one["entry"], message_in(proto), frame, path)
+        if isinstance(ros.type, (Sequence, Array)) and proto.type != FieldDescriptor.TYPE_BYTES:
+            return self._read_list(ros.type, frame, path, proto.message_type if one.get("kind") == "message" else None)
+        return self.from_cdr(ros.type, frame, path, proto.message_type if one.get("kind") == "message" else None)
+
+    def _read_list(self, type: FieldType, frame: RosFrame, path: str, descriptor: Descriptor | None) -> list[Op]:
+        head = self._list(type, frame.new(path))
+        element = frame.elements[path] = RosFrame()
+        body = self.from_cdr(self._element(type), element, "", descriptor)
+        head.number = element.size
+        return _body(head, body)
+
+    def _read_map(self, type: FieldType, entry: Json, map_entry: Descriptor, frame: RosFrame, path: str) -> list[Op]:
+        head, inner = self._list(type, frame.new(path)), _message_class(self._element(type))
+        element = frame.elements[path] = RosFrame()
+        body: list[Op] = []
+        for ros, name in zip(fields_of(inner), ("key", "value")):
+            body += self._read(ros, {**entry[name], "proto": name}, inner, map_entry, element, ros.name)
+        head.number = element.size
+        return _body(head, body)
+
+    def _octets(self, type: FieldType, slot: int) -> Op:
+        head = self._list(type, slot)
+        head.code = Code.OCTETS
+        return head
 
     # --- frame to payload: messages of the package ---
 
@@ -357,9 +393,7 @@ class Programs:
                 node = tree
                 for holder in holders:
                     node = node.setdefault(holder, {})
-                node[name] = lambda proto, one=one: self._read_back(
-                    one, proto, message, descriptor, frame, path, whiches
-                )
+                node[name] = lambda proto, one=one: self._read_back(one, proto, message, frame, path, whiches)
         return self._fields(tree, descriptor)
 
     def _fields(self, tree: Mapping[str, Any], descriptor: Descriptor) -> list[Op]:
@@ -367,7 +401,7 @@ class Programs:
         for proto in sorted(descriptor.fields, key=lambda one: -one.number):
             node = tree.get(proto.name)
             if isinstance(node, dict):
-                ops += _body(_op(Code.MESSAGE, number=proto.number), self._fields(node, proto.message_type))
+                ops += _message(proto, self._fields(node, message_in(proto)))
             elif node is not None:
                 ops += node(proto)
         return ops
@@ -377,7 +411,6 @@ class Programs:
         one: Json,
         proto: FieldDescriptor,
         message: type[Message],
-        descriptor: Descriptor,
         frame: RosFrame,
         path: str,
         whiches: Mapping[str, Json],
@@ -386,19 +419,23 @@ class Programs:
         condition, expected = NONE, 0
         if "which" in one:
             which = whiches[one["which"]]
-            condition, expected = frame.slots[_joined(path, which["ros"])], getattr(message, which["choices"][proto.name])
+            condition, expected = frame.slots[_joined(path, which["ros"])], getattr(
+                message, which["choices"][proto.name]
+            )
         elif "presence" in one:
             condition, expected = frame.slots[_joined(path, one["presence"])], 1
         type = next(ros.type for ros in fields_of(message) if ros.name == one["ros"])
         if one.get("kind") == "empty":
-            ops = [_op(Code.MESSAGE, number=proto.number)]
+            ops = _message(proto, [])
             if condition == NONE:
                 condition, expected = frame.slots[own], 1
         elif "entry" in one:
             ops = self._map_back(type, one["entry"], proto, frame, own)
         elif one.get("repeated"):
             element = frame.elements[own]
-            ops = self._elements(proto, frame.slots[own], element, self._back(self._element(type), one, proto, element, ""))
+            ops = self._elements(
+                proto, frame.slots[own], element, self._back(self._element(type), one, proto, element, "")
+            )
         else:
             ops = self._back(type, one, proto, frame, own)
         if condition != NONE:
@@ -413,9 +450,7 @@ class Programs:
         return _body(_op(Code.PACKED, slot=slot, b=element.size, number=proto.number), body)
 
     def _map_back(self, type: FieldType, entry: Json, proto: FieldDescriptor, frame: RosFrame, path: str) -> list[Op]:
-        inner, element = self._element(type), frame.elements[path]
-        assert isinstance(inner, builtin_type)
-        map_entry = proto.message_type
+        inner, element, map_entry = _message_class(self._element(type)), frame.elements[path], message_in(proto)
         body: list[Op] = []
         for ros, name in reversed(list(zip(fields_of(inner), ("key", "value")))):
             part = self._back(ros.type, entry[name], map_entry.fields_by_name[name], element, ros.name)
@@ -424,41 +459,44 @@ class Programs:
         flags = Flag.UNIQUE | _key_flags(map_entry.fields_by_name["key"])
         key = element.slots[fields_of(inner)[0].name]
         head = _op(Code.REPEAT, slot=frame.slots[path], a=key, b=element.size, flags=flags)
-        return _body(head, _body(_op(Code.MESSAGE, number=proto.number), body))
+        return _body(head, _message(proto, body))
 
     def _back(self, type: FieldType, one: Json, proto: FieldDescriptor, frame: RosFrame, path: str) -> list[Op]:
         """Return the operations that write one value of a proto field: a whole field, or an element of a list."""
         if "wrapping" in one:
-            inner = proto.message_type.fields_by_name[one["wrapping"]]
+            inner = message_in(proto).fields_by_name[one["wrapping"]]
             rest = {key: value for key, value in one.items() if key != "wrapping"}
             if inner.is_repeated:
                 element = frame.elements[path]
                 body = self._back(self._element(type), rest, inner, element, "")
-                return _body(_op(Code.MESSAGE, number=proto.number), self._elements(inner, frame.slots[path], element, body))
-            return _body(_op(Code.MESSAGE, number=proto.number), self._back(type, rest, inner, frame, path))
+                return _message(proto, self._elements(inner, frame.slots[path], element, body))
+            return _message(proto, self._back(type, rest, inner, frame, path))
         kind = one.get("kind", "value")
         if kind == "held":
-            assert isinstance(type, builtin_type)
-            (inner_field,) = fields_of(type)
+            (inner_field,) = fields_of(_message_class(type))
             return [self._field(inner_field.type, proto, frame.slots[_joined(path, inner_field.name)])]
         if kind == "message":
-            assert isinstance(type, builtin_type)
-            body = self.to_proto(type, proto.message_type, frame, path)
-            return _body(_op(Code.MESSAGE, number=proto.number), body)
+            body = self.to_proto(_message_class(type), message_in(proto), frame, path)
+            return _message(proto, body)
         if kind == "well_known":
             return [_op(self._time(one), slot=frame.slots[_joined(path, "sec")], number=proto.number)]
+        if kind == "json":
+            raise UnsupportedError(f"{proto.full_name} is JSON text")
         return [self._field(type, proto, frame.slots[path])]
 
     def _field(self, type: FieldType, proto: FieldDescriptor, slot: int) -> Op:
-        flags = 0 if proto.has_presence or proto.is_repeated else Flag.IMPLICIT
-        op = _op(Code.FIELD, slot=slot, number=proto.number, type=proto.type, flags=flags)
+        op = self._plain_field(Code.FIELD, proto, slot)
         if isinstance(type, Primitive) and _ROS_TYPE[proto.type] != type.name:
-            if proto.enum_type is None or proto.enum_type.is_closed:
-                raise UnsupportedError(f"{proto.full_name} is a closed enum")
             op.a = self._expression(self._made({}, slot, _source(type)))
-        elif proto.enum_type is not None and proto.enum_type.is_closed:
-            raise UnsupportedError(f"{proto.full_name} is a closed enum")
         return op
+
+    def _plain_field(self, code: Code, proto: FieldDescriptor, slot: int, a: int = NONE) -> Op:
+        """Return the operation that writes a field; a closed enum has the values that it declares, and no other."""
+        flags = 0 if proto.has_presence or proto.is_repeated else Flag.IMPLICIT
+        values = NONE
+        if proto.enum_type is not None and proto.enum_type.is_closed:
+            values = self.payloads.enum(proto.enum_type)
+        return _op(code, slot=slot, number=proto.number, type=proto.type, flags=flags, a=a, b=values)
 
     # --- frame to payload: standard messages ---
 
@@ -477,7 +515,7 @@ class Programs:
                 proto = inside.fields_by_name[part]
                 if proto.containing_oneof is not None and len(proto.containing_oneof.fields) > 1:
                     oneofs.add(proto.full_name)
-                inside = proto.message_type
+                inside = proto.message_type or inside
             for holder in holders:
                 node = node.setdefault(holder, {})
             node.setdefault(name, write)
@@ -503,26 +541,36 @@ class Programs:
     def _taken_back(self, one: Json, type: FieldType, frame: RosFrame) -> Callable[[FieldDescriptor], list[Op]]:
         slot, element = frame.slots[one["ros"]], frame.elements.get(one["ros"])
         if element is not None:
-            inner = self._element(type)
-            assert isinstance(inner, Primitive)
-            write = self._computed(one, 0, _source(inner))
+            write = self._computed(one, 0, _source(_primitive(self._element(type))))
             return lambda proto: self._elements(proto, slot, element, write(proto))
         if isinstance(type, Primitive):
             return self._computed(one, slot, _source(type))
+        if "cases" in one:
+            cases = self._cases([(number, text) for text, number in one["cases"]])
+            return lambda proto: [self._plain_field(Code.CASE, proto, slot, cases)]
         return lambda proto: [self._field(type, proto, slot)]
 
     def _computed(self, one: Json, slot: int, source: Number) -> Callable[[FieldDescriptor], list[Op]]:
         def write(proto: FieldDescriptor) -> list[Op]:
-            if proto.enum_type is not None and proto.enum_type.is_closed and "cases" not in one:
-                raise UnsupportedError(f"{proto.full_name} is a closed enum")
-            flags = 0 if proto.has_presence or proto.is_repeated else Flag.IMPLICIT
-            a = self._expression(self._made(one, slot, source))
-            return [_op(Code.FIELD, slot=slot, number=proto.number, type=proto.type, flags=flags, a=a)]
+            expression = self._expression(self._made(one, slot, source))
+            return [self._plain_field(Code.FIELD, proto, slot, expression)]
 
         return write
 
 
 builtin_type = type
+
+
+def _message_class(type: FieldType) -> type[Message]:
+    if not isinstance(type, builtin_type):
+        raise UnsupportedError(f"a message becomes {cdr.type_name(type)}")
+    return type
+
+
+def _primitive(type: FieldType) -> Primitive:
+    if not isinstance(type, Primitive):
+        raise UnsupportedError(f"a number becomes {cdr.type_name(type)}")
+    return type
 
 
 def _value(value: Any) -> tuple[int, int]:
@@ -544,6 +592,18 @@ def _key_flags(key: FieldDescriptor) -> int:
     if key.type == FieldDescriptor.TYPE_STRING:
         return Flag.TEXT_KEY
     return Flag.SIGNED_KEY if _ROS_TYPE[key.type].startswith("int") else 0
+
+
+def _field_at(descriptor: Descriptor, path: str) -> FieldDescriptor:
+    """Return the field at a dotted path in a message."""
+    name, _, rest = path.partition(".")
+    proto = descriptor.fields_by_name[name]
+    return _field_at(message_in(proto), rest) if rest else proto
+
+
+def _message(proto: FieldDescriptor, body: Items[Op]) -> list[Op]:
+    """Return the operations that write a message, with those that write its fields."""
+    return _body(_op(Code.MESSAGE, number=proto.number, type=proto.type), body)
 
 
 def _joined(path: str, name: str) -> str:
