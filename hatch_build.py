@@ -20,7 +20,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from packaging.tags import platform_tags
 
 _LIBRARY = "runtime/native/libroverlink_native" + (".dylib" if sys.platform == "darwin" else ".so")
-_FLAGS = (
+FLAGS = (
     "-std=c++17 -O2 -fPIC -shared -pthread -fvisibility=hidden -fno-exceptions -fno-rtti "
     "-ffp-contract=off "  # Python rounds after each operation
     "-Wall -Wextra -Wconversion -Wpedantic"
@@ -61,7 +61,7 @@ class NativeCore(BuildHookInterface):  # type: ignore[type-arg]  # hatchling's o
         if not compiler:
             return self._without("no C++ compiler was found")
         native, made = Path(self.root, "native"), library.with_name(f"{library.name}.{os.getpid()}")
-        flags = [*_FLAGS.split(), *shlex.split(os.environ.get("CXXFLAGS", ""))]
+        flags = [*FLAGS.split(), *shlex.split(os.environ.get("CXXFLAGS", ""))]
         if sys.platform == "linux":  # what the library needs of a C++ library is in it, so that it runs beside any
             flags += ["-static-libstdc++", "-static-libgcc", "-Wl,--no-undefined"]
         linked = ["-o", str(made), *shlex.split(os.environ.get("LDFLAGS", ""))]

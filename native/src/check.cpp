@@ -3,10 +3,12 @@
 
 namespace {
 
+// Checker of one table.
 class Checker {
  public:
   explicit Checker(const rl_table &table) : table_(table) {}
 
+  // True if the whole table is right.
   bool all() const {
     for (uint32_t index = 0; index < table_.n_layouts; ++index)
       if (!layout(index)) return false;
@@ -18,7 +20,10 @@ class Checker {
   }
 
  private:
-  static bool within(uint32_t first, uint64_t count, uint32_t total) { return first <= total && count <= total - first; }
+  // True if `count` elements from `first` on are among `total`.
+  static bool within(uint32_t first, uint64_t count, uint32_t total) {
+    return first <= total && count <= total - first;
+  }
 
   // A count at `words[index]`, and as many groups of words behind it.
   bool counted(uint32_t index, uint64_t each) const {
@@ -50,7 +55,7 @@ class Checker {
     if (!within(own.first_field, own.fields, table_.n_fields) || own.slots > kMostSlots) return false;
     if (!within(own.defaults, uint64_t{2} * own.slots, table_.n_words)) return false;
     for (uint32_t slot = 0; slot < own.slots; ++slot) {
-      const uint64_t *words = table_.words + own.defaults + 2 * slot;
+      const uint64_t *words = table_.words + own.defaults + size_t{2} * slot;
       if (words[1] != 0 && !slice(words[0], words[1])) return false;
     }
     uint32_t last = 0;
@@ -72,6 +77,7 @@ class Checker {
     return true;
   }
 
+  // An expression, apart from its slots.
   bool expression(const rl_expression &own) const {
     if (!within(own.first_step, own.steps, table_.n_steps)) return false;
     if (own.cases != RL_NONE && !counted(own.cases, 3)) return false;
@@ -81,6 +87,7 @@ class Checker {
     return own.source < RL_NUMBERS;
   }
 
+  // A translation with its programs.
   bool translation(const rl_translation &own) const {
     if (own.layout != RL_NONE &&
         (own.layout >= table_.n_layouts || !body(own.to_cdr, own.to_cdr_size, table_.layouts[own.layout].slots, 0)))
@@ -103,6 +110,7 @@ class Checker {
     return true;
   }
 
+  // Size of the frames on which the body of an operation runs.
   static uint32_t element_slots(const rl_op &op, uint32_t slots) {
     switch (op.code) {
       case RL_MESSAGE: return slots;
@@ -112,6 +120,7 @@ class Checker {
     }
   }
 
+  // An operation, apart from its body.
   bool operation(const rl_op &op, uint32_t slots) const {
     const auto has = [&](uint32_t slot, uint32_t count) { return within(slot, count, slots); };
     const auto computes = [&](uint32_t first, uint32_t count) {

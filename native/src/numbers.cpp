@@ -143,7 +143,8 @@ bool fit(const Number &number, uint8_t primitive, uint64_t *bits) {
     return true;
   }
   if (!number.whole) return false;
-  const bool is_signed = primitive == RL_INT8 || primitive == RL_INT16 || primitive == RL_INT32 || primitive == RL_INT64;
+  const bool is_signed =
+      primitive == RL_INT8 || primitive == RL_INT16 || primitive == RL_INT32 || primitive == RL_INT64;
   const uint32_t width = primitive == RL_BOOL ? 1 : 8 * size_of(primitive);
   const Wide one = 1;
   const Wide least = is_signed ? -(one << (width - 1)) : 0;

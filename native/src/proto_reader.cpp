@@ -8,6 +8,7 @@ namespace roverlink {
 
 namespace {
 
+// Reader of one payload.
 class Reader {
  public:
   Reader(const rl_table &table, rl_workspace &workspace) : table_(table), workspace_(workspace) {}
@@ -23,16 +24,21 @@ class Reader {
       if (!varint32(at, end, &tag) || tag >> 3 == 0) return false;
       const rl_field *field = find(fields, layout.fields, tag >> 3);
       const auto wire = static_cast<Wire>(tag & 7);
-      if (wire == END_GROUP) ended = tag >> 3;
-      else if (field == nullptr && layout.is_entry != 0) return false;  // upb drops such an entry of a map, others do not
-      else if (!(field == nullptr ? skip(at, end, tag) : read(*field, tag, at, end, frame, layout))) return false;
+      if (wire == END_GROUP) {
+        ended = tag >> 3;
+      } else if (field == nullptr) {
+        // Protobuf in Python drops an entry of a map that contains an unknown field.
+        if (layout.is_entry != 0 || !skip(at, end, tag)) return false;
+      } else if (!read(*field, tag, at, end, frame, layout)) {
+        return false;
+      }
     }
     return ended == group;
   }
 
   // Sets slots of a message's frame to the defaults.
   void fill(const rl_layout &layout, uint32_t first, uint32_t count, Slot *frame) const {
-    const uint64_t *word = table_.words + layout.defaults + 2 * first;
+    const uint64_t *word = table_.words + layout.defaults + size_t{2} * first;
     for (uint32_t slot = first; slot < first + count; ++slot, word += 2) {
       frame[slot] = Slot{};
       frame[slot].size = static_cast<uint32_t>(word[1]);
@@ -63,6 +69,7 @@ class Reader {
     return true;
   }
 
+  // Reads a varint.
   static bool varint(const uint8_t **at, const uint8_t *end, uint64_t *value) {
     *value = 0;
     for (uint32_t shift = 0; shift < 70; shift += 7) {
@@ -74,6 +81,7 @@ class Reader {
     return false;
   }
 
+  // Reads 32 or 64 bits.
   static bool fixed(const uint8_t **at, const uint8_t *end, size_t size, uint64_t *bits) {
     if (size > static_cast<size_t>(end - *at)) return false;
     *bits = 0;
@@ -177,7 +185,7 @@ class Reader {
     ++depth_;
     const bool done = apart(field, at, end, &element);
     --depth_;
-    workspace_.used = used;
+    workspace_.reset(used);
     return done;
   }
 
@@ -205,7 +213,7 @@ class Reader {
         case PROTO_UINT32: slot->bits = static_cast<uint32_t>(value); break;
         case PROTO_SINT32: {
           const auto low = static_cast<uint32_t>(value);
-          slot->bits = sign_extended((low >> 1) ^ (0u - (low & 1u)));
+          slot->bits = sign_extended((low >> 1) ^ (0U - (low & 1U)));
           break;
         }
         case PROTO_SINT64: slot->bits = (value >> 1) ^ (uint64_t{0} - (value & 1)); break;

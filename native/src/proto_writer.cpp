@@ -6,12 +6,15 @@ namespace roverlink {
 
 namespace {
 
+// Writer of one payload: runs operations that read a frame.
 class Writer {
  public:
   Writer(const rl_table &table, uint8_t *out, size_t room) : table_(table), start_(out), at_(out + room) {}
 
+  // The first byte that was written.
   const uint8_t *begin() const { return at_; }
 
+  // Runs a body on a frame.
   bool run(uint32_t first, uint32_t count, const Slot *frame) {
     for (uint32_t index = first; index < first + count; ++index) {
       const rl_op &op = table_.ops[index];
@@ -22,6 +25,7 @@ class Writer {
   }
 
  private:
+  // Runs an operation.
   bool one(const rl_op &op, uint32_t index, const Slot *frame) {
     const Slot &slot = frame[op.slot];
     switch (op.code) {
@@ -84,11 +88,12 @@ class Writer {
     if ((op.flags & RL_IMPLICIT) != 0 && bits == 0) return true;
     if (op.type == PROTO_SINT32) {
       const auto low = static_cast<uint32_t>(bits);
-      bits = (low << 1) ^ (0u - (low >> 31));
+      bits = (low << 1) ^ (0U - (low >> 31));
     } else if (op.type == PROTO_SINT64) {
       bits = (bits << 1) ^ (uint64_t{0} - (bits >> 63));
     }
-    const bool done = wire == VARINT ? varint(bits) : bytes(reinterpret_cast<const uint8_t *>(&bits), wire == FIXED64 ? 8 : 4);
+    const auto *data = reinterpret_cast<const uint8_t *>(&bits);
+    const bool done = wire == VARINT ? varint(bits) : bytes(data, wire == FIXED64 ? 8 : 4);
     return done && (op.number == 0 || tag(op.number, wire));
   }
 
@@ -106,6 +111,7 @@ class Writer {
     return true;
   }
 
+  // The ROS 2 primitive that holds the numbers of a proto type.
   static uint8_t primitive_of(uint8_t type) {
     switch (type) {
       case PROTO_DOUBLE: return RL_FLOAT64;
@@ -133,12 +139,15 @@ class Writer {
     return head(op.number, end);
   }
 
+  // Writes the tag and the length of what ends at `end`.
   bool head(uint32_t number, const uint8_t *end) {
     return varint(static_cast<uint64_t>(end - at_)) && tag(number, DELIMITED);
   }
 
+  // Writes a tag.
   bool tag(uint32_t number, Wire wire) { return varint(static_cast<uint64_t>(number) << 3 | wire); }
 
+  // Writes bytes before those that were written.
   bool bytes(const uint8_t *data, size_t size) {
     if (size > static_cast<size_t>(at_ - start_)) return false;
     at_ -= size;
@@ -146,6 +155,7 @@ class Writer {
     return true;
   }
 
+  // Writes a varint.
   bool varint(uint64_t value) {
     uint8_t encoded[10];
     size_t size = 0;
@@ -165,8 +175,8 @@ class Writer {
 
 }  // namespace
 
-bool write_proto(const rl_table &table, const rl_translation &translation, rl_workspace &, const Slot *frame,
-                 uint8_t *out, size_t *size) {
+bool write_proto(const rl_table &table, const rl_translation &translation, const Slot *frame, uint8_t *out,
+                 size_t *size) {
   Writer writer(table, out, *size);
   if (!writer.run(translation.to_proto, translation.to_proto_size, frame)) return false;
   *size = static_cast<size_t>(out + *size - writer.begin());

@@ -29,7 +29,7 @@ void rl_workspace_free(rl_workspace *workspace) {
 
 int rl_to_cdr(const rl_table *table, uint32_t index, rl_workspace *workspace, const uint8_t *payload,
               size_t payload_size, int32_t sec, uint32_t nanosec, uint8_t *out, size_t *size) {
-  workspace->used = 0;
+  workspace->reset(0);
   const rl_translation &translation = table->translations[index];
   if (translation.layout == RL_NONE) return RL_HAND_OVER;
   auto *frame = workspace->take<Slot>(table->layouts[translation.layout].slots);
@@ -41,13 +41,13 @@ int rl_to_cdr(const rl_table *table, uint32_t index, rl_workspace *workspace, co
 
 int rl_to_proto(const rl_table *table, uint32_t index, rl_workspace *workspace, const uint8_t *cdr, size_t cdr_size,
                 uint8_t *out, size_t *size) {
-  workspace->used = 0;
+  workspace->reset(0);
   const rl_translation &translation = table->translations[index];
   if (translation.cdr_slots == RL_NONE) return RL_HAND_OVER;
   auto *frame = workspace->take<Slot>(translation.cdr_slots);
   const bool done = frame != nullptr &&
                     roverlink::read_cdr(*table, translation, *workspace, cdr, cdr_size, frame) &&
-                    roverlink::write_proto(*table, translation, *workspace, frame, out, size);
+                    roverlink::write_proto(*table, translation, frame, out, size);
   return done ? RL_OK : RL_HAND_OVER;
 }
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import re
+import runpy
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -12,7 +15,8 @@ from needs import needs_native
 from generated.registry import REGISTRY
 from roverlink.runtime.native import core, layout
 
-_HEADER = Path(__file__).parents[2] / "native" / "include" / "roverlink" / "native.h"
+_ROOT = Path(__file__).parents[2]
+_HEADER = _ROOT / "native" / "include" / "roverlink" / "native.h"
 _TYPES = {
     "uint8_t": ctypes.c_uint8,
     "uint16_t": ctypes.c_uint16,
@@ -60,6 +64,27 @@ def test_python_describes_the_interface_that_the_header_declares() -> None:
                 pointed = _TYPES.get(type_name) or getattr(layout, type_name.removeprefix("rl_").capitalize())
                 members.append((member.strip(" *"), ctypes.POINTER(pointed) if pointer else pointed))
         assert members == list(getattr(layout, name.removeprefix("rl_").capitalize())._fields_), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compiler", ["g++", "clang++"])
+def test_compilers_have_nothing_to_say(compiler: str) -> None:
+    """With all the warnings that the build asks for."""
+    if shutil.which(compiler) is None:
+        pytest.skip(f"need {compiler} (apt-get install g++ clang)")
+    flags = runpy.run_path(str(_ROOT / "hatch_build.py"))["FLAGS"].split()
+    sources = sorted(_ROOT.glob("native/src/*.cpp"))
+    command = [
+        compiler,
+        *flags,
+        "-Werror",
+        "-Wno-unused-command-line-argument",
+        "-fsyntax-only",
+        f"-I{_ROOT / 'native/include'}",
+        *sources,
+    ]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @needs_native

@@ -1,14 +1,15 @@
 /* Translation between protobuf's wire format and ROS 2's serialized messages (CDR) by a table. Plain C, no Python.
  *
- * A table is data: arrays of the structs below, which refer to each other by index. `rl_check` checks all indices once,
- * so that a wrong table is refused instead of read. A table never changes after that, and any number of threads may use
- * it; each thread needs a workspace of its own.
+ * A table is data: arrays of the structs below, which refer to each other by index. `rl_check` checks once that no
+ * index leads out of the table or out of a frame. That an operation fits the kind of its slot is up to who makes the
+ * table, roverlink.runtime.native. A table never changes after that, and any number of threads may use it; each
+ * thread needs a workspace of its own.
  *
- * A payload is read into a frame: an array of slots, one for each singular field, each list and each oneof. Programs are
- * arrays of operations, which read slots and write bytes, or read bytes and write slots.
+ * A payload is read into a frame: an array of slots, one for each singular field, each list and each oneof. Programs
+ * are arrays of operations, which read slots and write bytes, or read bytes and write slots.
  *
- * What the table or the data ask for and this library does not do has the result `RL_HAND_OVER`: the caller converts the
- * message in Python, which gives the message, or the error with its reason.
+ * What the table or the data ask for and this library does not do has the result `RL_HAND_OVER`: the caller converts
+ * the message in Python, which gives the message, or the error with its reason.
  */
 #ifndef ROVERLINK_NATIVE_H
 #define ROVERLINK_NATIVE_H
@@ -66,8 +67,8 @@ enum rl_code {
   RL_NARROW,    /* integer of `type` from an enum's int32 */
   RL_COMPUTE,   /* primitive `type` from expression `a` */
   RL_TEXT,      /* string; `a` is its bound; `b` is the text in `words` if the slot is not set, or RL_NONE */
-  RL_CHOICE,    /* string for the number in the slot: `a` is the index in `words` of a count and of as many cases, each a
-                   number and a text; `b` is the text for other numbers, or RL_NONE */
+  RL_CHOICE,    /* string for the number in the slot: `a` is the index in `words` of a count and as many cases, each
+                   a number and a text; `b` is the text for other numbers, or RL_NONE */
   RL_OCTETS,    /* uint8 sequence, `a` is its bound; or array of length `b` */
   RL_LIST,      /* sequence, `a` is its bound; or array of length `b`; the body writes or reads an element, whose
                    frame has `number` slots */
@@ -172,8 +173,8 @@ RL_API int rl_check(const rl_table *);
 
 /* Write the serialized ROS 2 message of a payload, with its encapsulation header. `size` holds the room of `out`, then
  * the number of bytes written. `sec` and `nanosec` are the time of receipt. */
-RL_API int rl_to_cdr(const rl_table *, uint32_t translation, rl_workspace *, const uint8_t *payload, size_t payload_size,
-                     int32_t sec, uint32_t nanosec, uint8_t *out, size_t *size);
+RL_API int rl_to_cdr(const rl_table *, uint32_t translation, rl_workspace *, const uint8_t *payload,
+                     size_t payload_size, int32_t sec, uint32_t nanosec, uint8_t *out, size_t *size);
 
 /* Write the payload of a serialized ROS 2 message at the end of `out`; `size` as above: the payload begins at
  * `out` + room - `size`. */
