@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.native import layout as native
@@ -25,7 +26,7 @@ _LARGEST = 1 << 20
 """Bytes of the largest message. A datagram with 64 KiB of small numbers becomes 8 times as long."""
 
 
-class NoCoreError(Exception):
+class NoCoreError(RoverlinkError):
     """Reason why there is no native core, and Python translates all messages."""
 
 

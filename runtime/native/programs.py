@@ -101,7 +101,7 @@ class Programs:
     def _conversions(self, message: type[Message]) -> Mapping[str, Json]:
         name = message.__msgtype__.rpartition("/")[2]
         if name not in self.messages:
-            raise UnsupportedError(f"{message.__msgtype__} is for an Any")
+            raise UnsupportedError(f"{message.__msgtype__} is for a google.protobuf.Any")
         return {one["ros"]: one for one in self.messages[name]}
 
     def _write(self, ros: Field, one: Json, message: type[Message], descriptor: Descriptor, base: int) -> list[Op]:
@@ -147,7 +147,7 @@ class Programs:
                 _op(self._time(one), slot=self.payloads.place(message_in(place.field), "seconds", place.slot + 1).slot)
             ]
         if kind == "json":
-            raise UnsupportedError(f"{place.field.full_name} is JSON text")
+            raise UnsupportedError(f"{place.field.full_name} becomes JSON text")
         return self._write_plain(type, place)
 
     def _write_plain(self, type: FieldType, place: Place) -> list[Op]:
@@ -481,7 +481,7 @@ class Programs:
         if kind == "well_known":
             return [_op(self._time(one), slot=frame.slots[_joined(path, "sec")], number=proto.number)]
         if kind == "json":
-            raise UnsupportedError(f"{proto.full_name} is JSON text")
+            raise UnsupportedError(f"{proto.full_name} becomes JSON text")
         return [self._field(type, proto, frame.slots[path])]
 
     def _field(self, type: FieldType, proto: FieldDescriptor, slot: int) -> Op:
@@ -535,7 +535,7 @@ class Programs:
             else:
                 add(one, self._taken_back(one, types[one["ros"]], frame))
         if len(oneofs) > 1:
-            raise UnsupportedError(f"{', '.join(sorted(oneofs))} are members of oneofs")
+            raise UnsupportedError(f"{', '.join(sorted(oneofs))} are several members of oneofs")
         return reading, self._fields(tree, descriptor)
 
     def _taken_back(self, one: Json, type: FieldType, frame: RosFrame) -> Callable[[FieldDescriptor], list[Op]]:
