@@ -14,8 +14,11 @@ from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.native import layout as native
+from roverlink.runtime.native.cdr_reading import CdrReading, RosFrame
+from roverlink.runtime.native.cdr_writing import CdrWriting
 from roverlink.runtime.native.payload_layouts import PayloadLayouts, UnsupportedError
-from roverlink.runtime.native.programs import Programs, RosFrame
+from roverlink.runtime.native.payload_writing import PayloadWriting
+from roverlink.runtime.native.table_parts import TableParts
 
 LIBRARY = Path(__file__).with_name("libroverlink_native" + (".dylib" if sys.platform == "darwin" else ".so"))
 """Library that hatch_build.py compiles where roverlink is installed, or that its wheel contains."""
@@ -93,21 +96,21 @@ class NativeCore:
         self._out = ctypes.create_string_buffer(_LARGEST)
 
     def _made(self, registry: Registry, translations: Mapping[str, Any]) -> native.Table:
-        programs = Programs(translations["messages"], PayloadLayouts())
+        parts = TableParts(translations["messages"], PayloadLayouts())
         topics = {(one["number"], one["topic"]): one for one in translations["topics"]}
         ops: list[native.Op] = []
         made: list[native.Translation] = []
         for handler in (*registry.handlers, *registry.extra_topics):
             topic = topics.get((handler.route.number, handler.route.topic))
             self._index[id(handler)] = len(made)
-            made.append(self._translation(programs, handler, topic, ops))
-        payloads = programs.payloads
+            made.append(self._translation(parts, handler, topic, ops))
+        payloads = parts.payloads
         arrays = [
             _array(native.Field, payloads.fields),
             _array(native.Layout, payloads.layouts),
             _array(native.Op, ops),
-            _array(native.Expression, programs.expressions),
-            _array(native.Step, programs.steps),
+            _array(native.Expression, parts.expressions),
+            _array(native.Step, parts.steps),
             _array(native.Translation, made),
             _array(ctypes.c_uint64, payloads.words),
             _array(ctypes.c_uint8, payloads.constants),
@@ -115,7 +118,7 @@ class NativeCore:
         return native.Table(*arrays, *map(len, arrays))
 
     def _translation(
-        self, programs: Programs, handler: AnyHandler | AnyStandardHandler, topic: Any, ops: list[native.Op]
+        self, parts: TableParts, handler: AnyHandler | AnyStandardHandler, topic: Any, ops: list[native.Op]
     ) -> native.Translation:
         """Return the translation of a handler: one direction alone, if the core does not support the other one."""
         descriptor, message = handler.payload_type.DESCRIPTOR, handler.message_type
@@ -123,10 +126,10 @@ class NativeCore:
         reasons = {True: "", False: ""}
         try:
             if topic is None:
-                forth = programs.to_cdr(message, descriptor)
+                forth = CdrWriting(parts).to_cdr(message, descriptor)
             else:
-                forth = programs.standard_to_cdr(message, topic["fields"], descriptor)
-            made.layout, made.to_cdr, made.to_cdr_size = programs.payloads.of(descriptor), len(ops), len(forth)
+                forth = CdrWriting(parts).standard_to_cdr(message, topic["fields"], descriptor)
+            made.layout, made.to_cdr, made.to_cdr_size = parts.payloads.of(descriptor), len(ops), len(forth)
             ops += forth
         except UnsupportedError as error:
             reasons[True] = str(error)
@@ -134,11 +137,11 @@ class NativeCore:
             if topic is None or topic["back"] is not None:
                 frame = RosFrame()
                 if topic is None:
-                    reading = programs.from_cdr(message, frame, "", descriptor)
-                    back = programs.to_proto(message, descriptor, frame, "")
+                    reading = CdrReading(parts).from_cdr(message, frame, "", descriptor)
+                    back = PayloadWriting(parts).to_proto(message, descriptor, frame, "")
                 else:
-                    reading = programs.from_cdr(message, frame, "")
-                    angles, back = programs.standard_to_proto(message, topic["back"], descriptor, frame)
+                    reading = CdrReading(parts).from_cdr(message, frame, "")
+                    angles, back = PayloadWriting(parts).standard_to_proto(message, topic["back"], descriptor, frame)
                     reading += angles
                 made.from_cdr, made.from_cdr_size, made.cdr_slots = len(ops), len(reading), frame.size
                 made.to_proto, made.to_proto_size = len(ops) + len(reading), len(back)

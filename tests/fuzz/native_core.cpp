@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <vector>
 
 #include "roverlink/native.h"
@@ -21,11 +20,11 @@ rl_workspace *workspace;
 bool is_to_cdr;
 
 template <typename T>
-void read(std::ifstream &file, const T *&array, uint32_t &count) {
-  uint32_t head[2];
-  file.read(reinterpret_cast<char *>(head), sizeof head);
+void read(std::FILE *file, const T *&array, uint32_t &count) {
+  uint32_t head[2] = {};
+  if (std::fread(head, sizeof head, 1, file) != 1) std::abort();
   auto &memory = arrays.emplace_back(head[1] / 8 + 1);
-  file.read(reinterpret_cast<char *>(memory.data()), head[1]);
+  if (std::fread(memory.data(), 1, head[1], file) != head[1]) std::abort();
   array = reinterpret_cast<const T *>(memory.data());
   count = head[0];
 }
@@ -33,7 +32,8 @@ void read(std::ifstream &file, const T *&array, uint32_t &count) {
 }  // namespace
 
 extern "C" int LLVMFuzzerInitialize(int *, char ***) {
-  std::ifstream file(std::getenv("ROVERLINK_FUZZ_TABLE"), std::ios::binary);
+  std::FILE *file = std::fopen(std::getenv("ROVERLINK_FUZZ_TABLE"), "rb");
+  if (file == nullptr) std::abort();
   read(file, table.fields, table.n_fields);
   read(file, table.layouts, table.n_layouts);
   read(file, table.ops, table.n_ops);
@@ -42,7 +42,8 @@ extern "C" int LLVMFuzzerInitialize(int *, char ***) {
   read(file, table.translations, table.n_translations);
   read(file, table.words, table.n_words);
   read(file, table.bytes, table.n_bytes);
-  if (!file || rl_check(&table) != RL_OK) std::abort();
+  std::fclose(file);
+  if (rl_check(&table) != RL_OK) std::abort();
   is_to_cdr = std::strcmp(std::getenv("ROVERLINK_FUZZ_DOOR"), "to_cdr") == 0;
   workspace = rl_workspace_new(1 << 18);
   return 0;

@@ -14,6 +14,7 @@ from needs import needs_native
 
 from generated.registry import REGISTRY
 from roverlink.runtime.native import core, layout
+from roverlink.runtime.native.operations import PRIMITIVES
 
 _ROOT = Path(__file__).parents[2]
 _HEADER = _ROOT / "native" / "include" / "roverlink" / "native.h"
@@ -54,6 +55,8 @@ def test_python_describes_the_interface_that_the_header_declares() -> None:
         if last.endswith("S") and last not in enum.__members__:
             del declared[last]  # the number of values
         assert declared == {one.name: one.value for one in enum}, name
+    (primitives,) = re.findall(r"enum rl_primitive {(.*?) RL_PRIMITIVES", header.replace("\n", " "))
+    assert [one.strip().removeprefix("RL_").lower() for one in primitives.split(",")][:-1] == list(PRIMITIVES)
     structs = re.findall(r"typedef struct (rl_\w+) {(.*?)} \1;", header, re.DOTALL)
     assert len(structs) == 7
     for name, body in structs:
