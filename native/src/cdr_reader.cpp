@@ -5,11 +5,13 @@ namespace roverlink {
 
 namespace {
 
+// Reader of one message: runs operations that fill a frame.
 class Reader {
  public:
   Reader(const rl_table &table, rl_workspace &workspace, const uint8_t *body, size_t size)
       : table_(table), workspace_(workspace), body_(body), size_(size) {}
 
+  // Runs a body on a frame.
   bool run(uint32_t first, uint32_t count, Slot *frame) {
     for (uint32_t index = first; index < first + count; ++index) {
       const rl_op &op = table_.ops[index];
@@ -20,13 +22,14 @@ class Reader {
   }
 
  private:
+  // Runs an operation.
   bool one(const rl_op &op, uint32_t index, Slot *frame) {
     Slot *slot = &frame[op.slot];
     switch (op.code) {
       case RL_COPY: return primitive(op.type, slot);
       case RL_WHICH: return primitive(op.type, slot) && known(op.a, slot->bits);
-      case RL_TEXT: return text(slot, op.a);
-      case RL_OCTETS: return (count(op, slot) && take(slot, slot->size));
+      case RL_TEXT: return text(slot);
+      case RL_OCTETS: return count(op, slot) && take(slot, slot->size);
       case RL_LIST: return list(op, index, slot);
       case RL_ANGLES: {
         double xyzw[4], found[3];
@@ -39,6 +42,7 @@ class Reader {
     }
   }
 
+  // Skips the padding before a value.
   bool align(size_t size) {
     const size_t padding = (size - used_ % size) % size;
     if (padding > size_ - used_) return false;
@@ -46,6 +50,7 @@ class Reader {
     return true;
   }
 
+  // Reads a primitive into a slot.
   bool primitive(uint8_t type, Slot *slot) {
     const uint32_t size = size_of(type);
     if (!align(size) || size > size_ - used_) return false;
@@ -62,6 +67,7 @@ class Reader {
     return true;
   }
 
+  // Refers a slot to bytes of the message.
   bool take(Slot *slot, uint32_t size) {
     if (size > size_ - used_) return false;
     slot->bytes = body_ + used_;
@@ -70,6 +76,7 @@ class Reader {
     return true;
   }
 
+  // Reads a length.
   bool counter(uint32_t *value) {
     Slot slot{};
     if (!primitive(RL_UINT32, &slot)) return false;
@@ -77,19 +84,22 @@ class Reader {
     return true;
   }
 
-  bool text(Slot *slot, uint32_t) {
+  // Reads a string.
+  bool text(Slot *slot) {
     uint32_t size = 0;
     if (!counter(&size) || size == 0 || !take(slot, size)) return false;
     slot->size = size - 1;  // without the NUL
     return is_utf8(slot->bytes, slot->size);
   }
 
+  // Sets the number of elements of a sequence, which is in the message, or of an array.
   bool count(const rl_op &op, Slot *slot) {
-    if ((op.flags & RL_ARRAY) != 0) slot->size = op.b;
-    else if (!counter(&slot->size)) return false;
+    if ((op.flags & RL_ARRAY) == 0) return counter(&slot->size);
+    slot->size = op.b;
     return true;
   }
 
+  // Reads the elements of a list into frames, one behind the other.
   bool list(const rl_op &op, uint32_t index, Slot *slot) {
     if (!count(op, slot)) return false;
     const uint32_t elements = slot->size;
@@ -105,6 +115,7 @@ class Reader {
     return true;
   }
 
+  // True if a number stands for a member of a oneof, or for none.
   bool known(uint32_t cases, uint64_t value) const {
     const uint64_t *words = table_.words + cases;
     for (uint64_t index = 0; index < words[0]; ++index)

@@ -9,13 +9,16 @@ namespace {
 
 __extension__ using Wide = __int128;
 
+// Writer of one message: runs operations that read a frame.
 class Writer {
  public:
   Writer(const rl_table &table, rl_workspace &workspace, uint8_t *out, size_t room, int32_t sec, uint32_t nanosec)
       : table_(table), workspace_(workspace), body_(out), room_(room), sec_(sec), nanosec_(nanosec) {}
 
+  // Bytes that were written.
   size_t size() const { return used_; }
 
+  // Runs a body on a frame.
   bool run(uint32_t first, uint32_t count, const Slot *frame) {
     for (uint32_t index = first; index < first + count; ++index) {
       const rl_op &op = table_.ops[index];
@@ -26,6 +29,7 @@ class Writer {
   }
 
  private:
+  // Runs an operation.
   bool one(const rl_op &op, uint32_t index, const Slot *frame) {
     const Slot &slot = frame[op.slot];
     switch (op.code) {
@@ -40,7 +44,8 @@ class Writer {
         Number number{};
         return compute(table_, table_.expressions[op.a], frame, &number) && put_number(number, op.type);
       }
-      case RL_TEXT: return text(slot, op.a);
+      case RL_TEXT: return text(slot.set == 0 && op.b != RL_NONE ? stored(op.b) : slot, op.a);
+      case RL_CHOICE: return choice(op, slot.bits);
       case RL_OCTETS: return octets(op, slot);
       case RL_LIST: return list(op, index, slot);
       case RL_MAP: return map(op, index, slot);
@@ -56,6 +61,7 @@ class Writer {
     }
   }
 
+  // Writes the padding before a value.
   bool align(size_t size) {
     const size_t padding = (size - used_ % size) % size;
     if (padding > room_ - used_) return false;
@@ -64,6 +70,7 @@ class Writer {
     return true;
   }
 
+  // Writes the low bytes of a value.
   bool put(uint64_t bits, uint32_t size) {
     if (!align(size) || size > room_ - used_) return false;
     std::memcpy(body_ + used_, &bits, size);  // little endian, as the machine
@@ -71,11 +78,13 @@ class Writer {
     return true;
   }
 
+  // Writes a number, if the primitive can hold it.
   bool put_number(const Number &number, uint8_t primitive) {
     uint64_t bits = 0;
     return fit(number, primitive, &bits) && put(bits, size_of(primitive));
   }
 
+  // Writes bytes. Nothing is aligned for no bytes, as in an empty sequence.
   bool block(const uint8_t *data, size_t size, size_t alignment) {
     if (size == 0) return true;
     if (!align(alignment) || size > room_ - used_) return false;
@@ -84,21 +93,41 @@ class Writer {
     return true;
   }
 
+  // A text of the table.
+  Slot stored(uint32_t index) const {
+    Slot slot{};
+    slot.bytes = table_.bytes + table_.words[index];
+    slot.size = static_cast<uint32_t>(table_.words[index + 1]);
+    return slot;
+  }
+
+  // Writes the text of a number.
+  bool choice(const rl_op &op, uint64_t value) {
+    const uint64_t *words = table_.words + op.a;
+    for (uint32_t number = 0; number < words[0]; ++number)
+      if (words[1 + 3 * number] == value) return text(stored(op.a + 2 + 3 * number), RL_NONE);
+    return op.b != RL_NONE && text(stored(op.b), RL_NONE);
+  }
+
+  // Writes a string.
   bool text(const Slot &slot, uint32_t bound) {
     // ROS 2 readers take the first NUL for the end, so a text that contains one is refused.
     if (slot.size > bound || (slot.size != 0 && std::memchr(slot.bytes, 0, slot.size) != nullptr)) return false;
     return put(slot.size + 1, 4) && block(slot.bytes, slot.size, 1) && put(0, 1);
   }
 
+  // Writes a sequence or an array of octets.
   bool octets(const rl_op &op, const Slot &slot) {
     if ((op.flags & RL_ARRAY) != 0) return slot.size == op.b && block(slot.bytes, slot.size, 1);
     return slot.size <= op.a && put(slot.size, 4) && block(slot.bytes, slot.size, 1);
   }
 
+  // Checks a number of elements, and writes it if the list is a sequence.
   bool count(const rl_op &op, uint32_t size) {
     return (op.flags & RL_ARRAY) != 0 ? size == op.b : size <= op.a && put(size, 4);
   }
 
+  // Writes the elements of a list.
   bool list(const rl_op &op, uint32_t index, const Slot &slot) {
     if (!count(op, slot.size)) return false;
     for (const Chunk *chunk = slot.list.first; chunk != nullptr; chunk = chunk->next)
@@ -109,6 +138,7 @@ class Writer {
     return true;
   }
 
+  // Writes the entries of a map, sorted by their keys.
   bool map(const rl_op &op, uint32_t index, const Slot &slot) {
     const Slot **entries = workspace_.take<const Slot *>(slot.size);
     if (entries == nullptr) return false;
@@ -142,6 +172,7 @@ class Writer {
     return true;
   }
 
+  // The constant of a oneof's member; 0 for none.
   uint64_t constant_of(uint32_t cases, uint64_t value) const {
     const uint64_t *words = table_.words + cases;
     for (uint64_t index = 0; index < words[0]; ++index)
@@ -149,11 +180,13 @@ class Writer {
     return 0;
   }
 
+  // Writes a builtin_interfaces/Time.
   bool time(int64_t sec, int64_t nanosec) {
     if (sec < INT32_MIN || sec > INT32_MAX || nanosec < 0 || nanosec >= kNanoseconds) return false;
     return put(static_cast<uint64_t>(sec), 4) && put(static_cast<uint64_t>(nanosec), 4);
   }
 
+  // Writes a builtin_interfaces/Duration, whose nanoseconds are never negative, as those of protobuf can be.
   bool duration(int64_t sec, int64_t nanosec) {
     if (nanosec <= -kNanoseconds || nanosec >= kNanoseconds) return false;
     if ((sec < 0 && nanosec > 0) || (sec > 0 && nanosec < 0)) return false;
@@ -165,6 +198,7 @@ class Writer {
     return time(sec, nanosec);
   }
 
+  // Writes a quaternion from angles.
   bool rotation(const rl_op &op, const Slot *frame) {
     double angles[3], xyzw[4];
     for (uint32_t axis = 0; axis < 3; ++axis) {
@@ -174,11 +208,10 @@ class Writer {
       if (!(angles[axis] - angles[axis] == 0)) return false;  // Python's sin raises for infinity
     }
     quaternion(angles, xyzw);
-    for (const double part : xyzw)
-      if (!put(bits_of<uint64_t>(part), 8)) return false;
-    return true;
+    return std::all_of(xyzw, xyzw + 4, [this](double part) { return put(bits_of<uint64_t>(part), 8); });
   }
 
+  // Writes a time or a duration from a number of nanoseconds.
   bool moment(const rl_op &op, const Slot *frame) {
     Number number{};
     if (!compute(table_, table_.expressions[op.a], frame, &number) || !number.whole) return false;

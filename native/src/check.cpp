@@ -3,10 +3,12 @@
 
 namespace {
 
+// Checker of one table.
 class Checker {
  public:
   explicit Checker(const rl_table &table) : table_(table) {}
 
+  // True if the whole table is right.
   bool all() const {
     for (uint32_t index = 0; index < table_.n_layouts; ++index)
       if (!layout(index)) return false;
@@ -18,7 +20,10 @@ class Checker {
   }
 
  private:
-  static bool within(uint32_t first, uint64_t count, uint32_t total) { return first <= total && count <= total - first; }
+  // True if `count` elements from `first` on are among `total`.
+  static bool within(uint32_t first, uint64_t count, uint32_t total) {
+    return first <= total && count <= total - first;
+  }
 
   // A count at `words[index]`, and as many groups of words behind it.
   bool counted(uint32_t index, uint64_t each) const {
@@ -26,11 +31,33 @@ class Checker {
            within(index + 1, table_.words[index] * each, table_.n_words);
   }
 
-  // Layouts refer only to layouts before them, so that no message contains itself.
+  // A text in `words`.
+  bool text(uint32_t index) const {
+    return within(index, 2, table_.n_words) && slice(table_.words[index], table_.words[index + 1]);
+  }
+
+  // Bytes in `bytes`.
+  bool slice(uint64_t start, uint64_t size) const {
+    return start <= table_.n_bytes && size <= table_.n_bytes - start;
+  }
+
+  // Cases of RL_CHOICE and RL_CASE.
+  bool cases(uint32_t index) const {
+    if (!counted(index, 3)) return false;
+    for (uint64_t number = 0; number < table_.words[index]; ++number)
+      if (!text(index + 2 + 3 * static_cast<uint32_t>(number))) return false;
+    return true;
+  }
+
+  // Layouts refer only to layouts before them, so that no frame contains itself; opaque fields have no frame.
   bool layout(uint32_t index) const {
     const rl_layout &own = table_.layouts[index];
     if (!within(own.first_field, own.fields, table_.n_fields) || own.slots > kMostSlots) return false;
     if (!within(own.defaults, uint64_t{2} * own.slots, table_.n_words)) return false;
+    for (uint32_t slot = 0; slot < own.slots; ++slot) {
+      const uint64_t *words = table_.words + own.defaults + size_t{2} * slot;
+      if (words[1] != 0 && !slice(words[0], words[1])) return false;
+    }
     uint32_t last = 0;
     for (uint32_t number = 0; number < own.fields; ++number) {
       const rl_field &field = table_.fields[own.first_field + number];
@@ -38,11 +65,11 @@ class Checker {
       last = field.number;
       if (field.extent == 0 || !within(field.slot, field.extent, own.slots)) return false;
       if (field.oneof != RL_NONE && field.oneof >= own.slots) return false;
-      if (field.type == roverlink::PROTO_GROUP) return false;
-      if (field.type == roverlink::PROTO_MESSAGE) {
-        if (field.layout >= index) return false;
-        const bool repeated = (field.flags & RL_REPEATED) != 0;
-        if (field.extent != (repeated ? 1 : 1 + table_.layouts[field.layout].slots)) return false;
+      if (roverlink::is_message(field.type)) {
+        const bool is_opaque = (field.flags & RL_OPAQUE) != 0;
+        if (field.layout >= (is_opaque ? table_.n_layouts : index)) return false;
+        const bool is_apart = is_opaque || (field.flags & RL_REPEATED) != 0;
+        if (field.extent != (is_apart ? 1 : 1 + table_.layouts[field.layout].slots)) return false;
       } else if (field.layout != RL_NONE && !counted(field.layout, 1)) {
         return false;
       }
@@ -50,6 +77,7 @@ class Checker {
     return true;
   }
 
+  // An expression, apart from its slots.
   bool expression(const rl_expression &own) const {
     if (!within(own.first_step, own.steps, table_.n_steps)) return false;
     if (own.cases != RL_NONE && !counted(own.cases, 3)) return false;
@@ -59,9 +87,11 @@ class Checker {
     return own.source < RL_NUMBERS;
   }
 
+  // A translation with its programs.
   bool translation(const rl_translation &own) const {
-    if (own.layout >= table_.n_layouts) return false;
-    if (!body(own.to_cdr, own.to_cdr_size, table_.layouts[own.layout].slots, 0)) return false;
+    if (own.layout != RL_NONE &&
+        (own.layout >= table_.n_layouts || !body(own.to_cdr, own.to_cdr_size, table_.layouts[own.layout].slots, 0)))
+      return false;
     if (own.cdr_slots == RL_NONE) return true;
     return own.cdr_slots <= kMostSlots && body(own.from_cdr, own.from_cdr_size, own.cdr_slots, 0) &&
            body(own.to_proto, own.to_proto_size, own.cdr_slots, 0);
@@ -80,6 +110,7 @@ class Checker {
     return true;
   }
 
+  // Size of the frames on which the body of an operation runs.
   static uint32_t element_slots(const rl_op &op, uint32_t slots) {
     switch (op.code) {
       case RL_MESSAGE: return slots;
@@ -89,6 +120,7 @@ class Checker {
     }
   }
 
+  // An operation, apart from its body.
   bool operation(const rl_op &op, uint32_t slots) const {
     const auto has = [&](uint32_t slot, uint32_t count) { return within(slot, count, slots); };
     const auto computes = [&](uint32_t first, uint32_t count) {
@@ -105,7 +137,9 @@ class Checker {
     switch (op.code) {
       case RL_COPY: case RL_NARROW: return is_primitive && has(op.slot, 1);
       case RL_COMPUTE: return is_primitive && computes(op.a, 1);
-      case RL_TEXT: case RL_OCTETS: case RL_PRESENCE: return has(op.slot, 1);
+      case RL_OCTETS: case RL_PRESENCE: return has(op.slot, 1);
+      case RL_TEXT: return has(op.slot, 1) && (op.b == RL_NONE || text(op.b));
+      case RL_CHOICE: return has(op.slot, 1) && cases(op.a) && (op.b == RL_NONE || text(op.b));
       case RL_LIST: return has(op.slot, 1) && op.number <= kMostSlots;
       case RL_MAP: return has(op.slot, 1) && op.b < op.number && op.number <= kMostSlots;
       case RL_BYTES: return is_primitive && within(op.a, op.b, table_.n_bytes);
@@ -114,8 +148,11 @@ class Checker {
       case RL_TIME: case RL_DURATION: return has(op.slot, 2);
       case RL_QUATERNION: return computes(op.a, 3);
       case RL_MOMENT: return computes(op.a, 1);
-      case RL_FIELD: return is_proto && has(op.slot, 1) && (op.a == RL_NONE || computes(op.a, 1));
-      case RL_MESSAGE: return true;
+      case RL_FIELD:
+        return is_proto && has(op.slot, 1) && (op.a == RL_NONE || computes(op.a, 1)) &&
+               (op.b == RL_NONE || counted(op.b, 1));
+      case RL_CASE: return is_proto && has(op.slot, 1) && cases(op.a);
+      case RL_MESSAGE: return roverlink::is_message(op.type);
       case RL_REPEAT: case RL_PACKED:
         return has(op.slot, 1) && op.b <= kMostSlots && ((op.flags & RL_UNIQUE) == 0 || op.a < op.b);
       case RL_ANGLES: return has(op.slot, 3) && has(op.a, 4);

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <cstring>
-#include <new>
+#ifdef RL_GUARD_WORKSPACE  // for the fuzzer, which has AddressSanitizer
+#include <sanitizer/asan_interface.h>
+#endif
 
 #include "roverlink/native.h"
 
@@ -43,16 +45,33 @@ struct rl_workspace {
   size_t room;
   size_t used;
 
-  // Returns null if nothing is left: a message that needs more is handed over.
+  // Memory for some elements and more bytes. It is null if nothing is left: a message that needs more is handed over.
   template <typename T>
   T *take(size_t count, size_t more = 0) {
     if (count > room / sizeof(T)) return nullptr;
-    const size_t size = (count * sizeof(T) + more + 15) & ~size_t{15};
+    const size_t wanted = count * sizeof(T) + more, size = (wanted + kGuard + 15) & ~size_t{15};
     if (size > room - used) return nullptr;
     void *place = memory + used;
     used += size;
+#ifdef RL_GUARD_WORKSPACE
+    __asan_unpoison_memory_region(place, wanted);
+#endif
     return static_cast<T *>(place);
   }
+
+  // Makes all memory free from a place on.
+  void reset(size_t to) {
+    used = to;
+#ifdef RL_GUARD_WORKSPACE
+    __asan_poison_memory_region(memory + used, room - used);
+#endif
+  }
+
+#ifdef RL_GUARD_WORKSPACE
+  static constexpr size_t kGuard = 16;  // bytes between two places, which nobody may touch
+#else
+  static constexpr size_t kGuard = 0;
+#endif
 };
 
 namespace roverlink {
@@ -63,22 +82,26 @@ enum : uint8_t {  // google.protobuf.FieldDescriptorProto.Type
   PROTO_SINT32, PROTO_SINT64, PROTO_TYPES
 };
 
-enum Wire : uint32_t { VARINT = 0, FIXED64 = 1, DELIMITED = 2, FIXED32 = 5 };
+enum Wire : uint32_t { VARINT = 0, FIXED64 = 1, DELIMITED = 2, START_GROUP = 3, END_GROUP = 4, FIXED32 = 5 };
 
+// The wire type of a proto type.
 inline Wire wire_of(uint8_t type) {
   switch (type) {
     case PROTO_DOUBLE: case PROTO_FIXED64: case PROTO_SFIXED64: return FIXED64;
     case PROTO_FLOAT: case PROTO_FIXED32: case PROTO_SFIXED32: return FIXED32;
     case PROTO_STRING: case PROTO_BYTES: case PROTO_MESSAGE: return DELIMITED;
+    case PROTO_GROUP: return START_GROUP;
     default: return VARINT;
   }
 }
 
+// The size of a primitive in bytes.
 inline uint32_t size_of(uint8_t primitive) {
   constexpr uint8_t sizes[RL_PRIMITIVES] = {1, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
   return sizes[primitive];
 }
 
+// A value with the same bits.
 template <typename T, typename S>
 inline T bits_of(const S &value) {
   static_assert(sizeof(T) == sizeof(S), "the same bits");
@@ -87,31 +110,44 @@ inline T bits_of(const S &value) {
   return result;
 }
 
+// The low 32 bits as a signed integer.
 inline uint64_t sign_extended(uint64_t bits) {
   return static_cast<uint64_t>(static_cast<int64_t>(static_cast<int32_t>(static_cast<uint32_t>(bits))));
 }
 
+// True for the proto types that are messages.
+inline bool is_message(uint8_t type) { return type == PROTO_MESSAGE || type == PROTO_GROUP; }
+
+// True for well-formed UTF-8.
 bool is_utf8(const uint8_t *text, size_t size);
+
+// Values of a closed enum: a count, and the values.
+inline bool is_listed(const uint64_t *values, uint64_t value) {
+  for (uint64_t index = 1; index <= values[0]; ++index)
+    if (values[index] == value) return true;
+  return false;
+}
 
 // The steps of a translation. Each returns false if the message has to be handed over.
 bool read_proto(const rl_table &, uint32_t layout, rl_workspace &, const uint8_t *data, size_t size, Slot *frame);
 bool read_cdr(const rl_table &, const rl_translation &, rl_workspace &, const uint8_t *data, size_t size, Slot *frame);
 bool write_cdr(const rl_table &, const rl_translation &, rl_workspace &, const Slot *frame, int32_t sec,
                uint32_t nanosec, uint8_t *out, size_t *size);
-bool write_proto(const rl_table &, const rl_translation &, rl_workspace &, const Slot *frame, uint8_t *out,
-                 size_t *size);
+bool write_proto(const rl_table &, const rl_translation &, const Slot *frame, uint8_t *out, size_t *size);
 
-// Numbers.
+// Number as Python has it: an integer, or a double.
 struct Number {
   bool whole;
   double real;
   __extension__ __int128 integer;
 };
 
+// The value of an expression on a frame; false if there is none.
 bool compute(const rl_table &, const rl_expression &, const Slot *frame, Number *result);
 // The bits of a number as a primitive of ROS 2; false if it does not fit.
 bool fit(const Number &, uint8_t primitive, uint64_t *bits);
+// Rotations: roll, pitch and yaw in radians, as roverlink.runtime.convert.rotations has them.
 void quaternion(const double angles[3], double xyzw[4]);
-void angles(const double xyzw[4], double angles[3]);
+void angles(const double xyzw[4], double result[3]);
 
 }  // namespace roverlink

@@ -14,12 +14,14 @@ constexpr double kExactSteps = 0x1p96;                // an integer below it lea
 
 __extension__ using Wide = __int128;
 
+// Converts a double without a fraction to an integer.
 bool to_whole(double value, Wide *result) {
   if (!(std::fabs(value) < kExactSteps)) return false;  // also NaN
   *result = static_cast<Wide>(value);
   return true;
 }
 
+// Reads the number with which an expression begins.
 Number load(const rl_expression &expression, const Slot *frame) {
   const Slot &slot = frame[expression.slot];
   Number number{};
@@ -48,6 +50,44 @@ Number load(const rl_expression &expression, const Slot *frame) {
 
 double real_of(const Number &number) { return number.whole ? static_cast<double>(number.integer) : number.real; }
 
+// Applies a step to an integer: Python rounds the quotient of // down.
+bool apply_whole(const rl_step &step, Wide *value) {
+  const Wide operand = step.whole;
+  switch (step.code) {
+    case RL_TIMES: return !__builtin_mul_overflow(*value, operand, value);
+    case RL_PLUS: return !__builtin_add_overflow(*value, operand, value);
+    case RL_MINUS: return !__builtin_sub_overflow(*value, operand, value);
+    case RL_FLOORED:
+      if (operand <= 0) return false;
+      *value = *value / operand - (*value % operand < 0 ? 1 : 0);
+      return true;
+    default: return false;
+  }
+}
+
+// Applies a step. An integer becomes the nearest double at the first step whose operand is none.
+bool apply(const rl_step &step, Number *number) {
+  if (number->whole) {
+    if (step.code == RL_NEGATE) {
+      number->integer = -number->integer;
+      return true;
+    }
+    if (step.is_whole != 0) return apply_whole(step, &number->integer);
+    number->real = static_cast<double>(number->integer);
+    number->whole = false;
+  }
+  const double operand = step.is_whole != 0 ? static_cast<double>(step.whole) : step.real;
+  switch (step.code) {
+    case RL_NEGATE: number->real = -number->real; return true;
+    case RL_TIMES: number->real *= operand; return true;
+    case RL_BY: number->real /= operand; return true;
+    case RL_PLUS: number->real += operand; return true;
+    case RL_MINUS: number->real -= operand; return true;
+    default: return false;
+  }
+}
+
+// A constant of the table.
 Number constant(const uint64_t *words) {
   Number number{};
   number.whole = words[0] != 0;
@@ -77,42 +117,8 @@ bool compute(const rl_table &table, const rl_expression &expression, const Slot 
     *result = constant(table.words + expression.otherwise);
     return true;
   }
-  const bool whole = (expression.flags & RL_WHOLE) != 0;
-  if (!whole && expression.steps != 0 && number.whole) {
-    // Python converts an integer to the nearest double before it calculates with a double.
-    number.real = static_cast<double>(number.integer);
-    number.whole = false;
-  }
-  for (uint32_t index = 0; index < expression.steps; ++index) {
-    const rl_step &step = table.steps[expression.first_step + index];
-    if (number.whole) {
-      switch (step.code) {
-        case RL_NEGATE: number.integer = -number.integer; break;
-        case RL_TIMES:
-          if (__builtin_mul_overflow(number.integer, static_cast<Wide>(step.whole), &number.integer)) return false;
-          break;
-        case RL_PLUS:
-          if (__builtin_add_overflow(number.integer, static_cast<Wide>(step.whole), &number.integer)) return false;
-          break;
-        case RL_MINUS:
-          if (__builtin_sub_overflow(number.integer, static_cast<Wide>(step.whole), &number.integer)) return false;
-          break;
-        default: {  // rounded down, as Python's // does
-          if (step.whole <= 0) return false;
-          const Wide quotient = number.integer / step.whole;
-          number.integer = quotient - (number.integer % step.whole < 0 ? 1 : 0);
-        }
-      }
-    } else {
-      switch (step.code) {
-        case RL_NEGATE: number.real = -number.real; break;
-        case RL_TIMES: number.real *= step.real; break;
-        case RL_BY: number.real /= step.real; break;
-        case RL_PLUS: number.real += step.real; break;
-        default: number.real -= step.real;
-      }
-    }
-  }
+  for (uint32_t index = 0; index < expression.steps; ++index)
+    if (!apply(table.steps[expression.first_step + index], &number)) return false;
   if ((expression.flags & RL_ROUND) != 0 && !number.whole) {
     if (!to_whole(std::nearbyint(number.real), &number.integer)) return false;
     number.whole = true;
@@ -137,7 +143,8 @@ bool fit(const Number &number, uint8_t primitive, uint64_t *bits) {
     return true;
   }
   if (!number.whole) return false;
-  const bool is_signed = primitive == RL_INT8 || primitive == RL_INT16 || primitive == RL_INT32 || primitive == RL_INT64;
+  const bool is_signed =
+      primitive == RL_INT8 || primitive == RL_INT16 || primitive == RL_INT32 || primitive == RL_INT64;
   const uint32_t width = primitive == RL_BOOL ? 1 : 8 * size_of(primitive);
   const Wide one = 1;
   const Wide least = is_signed ? -(one << (width - 1)) : 0;

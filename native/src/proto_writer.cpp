@@ -6,12 +6,15 @@ namespace roverlink {
 
 namespace {
 
+// Writer of one payload: runs operations that read a frame.
 class Writer {
  public:
   Writer(const rl_table &table, uint8_t *out, size_t room) : table_(table), start_(out), at_(out + room) {}
 
+  // The first byte that was written.
   const uint8_t *begin() const { return at_; }
 
+  // Runs a body on a frame.
   bool run(uint32_t first, uint32_t count, const Slot *frame) {
     for (uint32_t index = first; index < first + count; ++index) {
       const rl_op &op = table_.ops[index];
@@ -22,11 +25,15 @@ class Writer {
   }
 
  private:
+  // Runs an operation.
   bool one(const rl_op &op, uint32_t index, const Slot *frame) {
     const Slot &slot = frame[op.slot];
     switch (op.code) {
       case RL_FIELD: return field(op, frame);
+      case RL_CASE: return chosen(op, slot);
       case RL_MESSAGE: {
+        if (op.type == PROTO_GROUP)
+          return tag(op.number, END_GROUP) && run(index + 1, op.size, frame) && tag(op.number, START_GROUP);
         const uint8_t *end = at_;
         return run(index + 1, op.size, frame) && head(op.number, end);
       }
@@ -51,12 +58,10 @@ class Writer {
   // Field `number` from a slot or from expression `a`; number 0 is an element of a packed list, which has no tag.
   bool field(const rl_op &op, const Slot *frame) {
     const Slot &slot = frame[op.slot];
-    const bool implicit = (op.flags & RL_IMPLICIT) != 0;
     const Wire wire = wire_of(op.type);
     if (wire == DELIMITED) {
-      if (implicit && slot.size == 0) return true;
-      if (!bytes(slot.bytes, slot.size) || !varint(slot.size)) return false;
-      return tag(op.number, wire);
+      if ((op.flags & RL_IMPLICIT) != 0 && slot.size == 0) return true;
+      return bytes(slot.bytes, slot.size) && varint(slot.size) && tag(op.number, wire);
     }
     uint64_t bits = slot.bits;
     if (op.a != RL_NONE) {
@@ -64,14 +69,31 @@ class Writer {
       if (!compute(table_, table_.expressions[op.a], frame, &number) || !fit(number, primitive_of(op.type), &bits))
         return false;
     }
-    if (implicit && bits == 0) return true;
+    return (op.b == RL_NONE || is_listed(table_.words + op.b, bits)) && scalar(op, wire, bits);
+  }
+
+  // Field `number` with the number whose text is in a slot.
+  bool chosen(const rl_op &op, const Slot &slot) {
+    const uint64_t *words = table_.words + op.a;
+    for (uint64_t number = 0; number < words[0]; ++number) {
+      const uint64_t *one = words + 1 + 3 * number;
+      if (one[2] == slot.size && (slot.size == 0 || std::memcmp(table_.bytes + one[1], slot.bytes, slot.size) == 0))
+        return scalar(op, wire_of(op.type), one[0]);
+    }
+    return false;
+  }
+
+  // A number with its tag.
+  bool scalar(const rl_op &op, Wire wire, uint64_t bits) {
+    if ((op.flags & RL_IMPLICIT) != 0 && bits == 0) return true;
     if (op.type == PROTO_SINT32) {
       const auto low = static_cast<uint32_t>(bits);
-      bits = (low << 1) ^ (0u - (low >> 31));
+      bits = (low << 1) ^ (0U - (low >> 31));
     } else if (op.type == PROTO_SINT64) {
       bits = (bits << 1) ^ (uint64_t{0} - (bits >> 63));
     }
-    const bool done = wire == VARINT ? varint(bits) : bytes(reinterpret_cast<const uint8_t *>(&bits), wire == FIXED64 ? 8 : 4);
+    const auto *data = reinterpret_cast<const uint8_t *>(&bits);
+    const bool done = wire == VARINT ? varint(bits) : bytes(data, wire == FIXED64 ? 8 : 4);
     return done && (op.number == 0 || tag(op.number, wire));
   }
 
@@ -89,6 +111,7 @@ class Writer {
     return true;
   }
 
+  // The ROS 2 primitive that holds the numbers of a proto type.
   static uint8_t primitive_of(uint8_t type) {
     switch (type) {
       case PROTO_DOUBLE: return RL_FLOAT64;
@@ -116,12 +139,15 @@ class Writer {
     return head(op.number, end);
   }
 
+  // Writes the tag and the length of what ends at `end`.
   bool head(uint32_t number, const uint8_t *end) {
     return varint(static_cast<uint64_t>(end - at_)) && tag(number, DELIMITED);
   }
 
+  // Writes a tag.
   bool tag(uint32_t number, Wire wire) { return varint(static_cast<uint64_t>(number) << 3 | wire); }
 
+  // Writes bytes before those that were written.
   bool bytes(const uint8_t *data, size_t size) {
     if (size > static_cast<size_t>(at_ - start_)) return false;
     at_ -= size;
@@ -129,6 +155,7 @@ class Writer {
     return true;
   }
 
+  // Writes a varint.
   bool varint(uint64_t value) {
     uint8_t encoded[10];
     size_t size = 0;
@@ -148,8 +175,8 @@ class Writer {
 
 }  // namespace
 
-bool write_proto(const rl_table &table, const rl_translation &translation, rl_workspace &, const Slot *frame,
-                 uint8_t *out, size_t *size) {
+bool write_proto(const rl_table &table, const rl_translation &translation, const Slot *frame, uint8_t *out,
+                 size_t *size) {
   Writer writer(table, out, *size);
   if (!writer.run(translation.to_proto, translation.to_proto_size, frame)) return false;
   *size = static_cast<size_t>(out + *size - writer.begin());

@@ -42,7 +42,7 @@ from roverlink.runtime.core.translator import Translation, Translator
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.keys.signed_links import SignedLinks
 from roverlink.runtime.middleware import Middleware, Publisher, Subscription
-from roverlink.runtime.native.core import load_core
+from roverlink.runtime.native.core import NoCoreError, open_core
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.destination import Destination
 from roverlink.runtime.net.hosts import Sender
@@ -285,20 +285,22 @@ class Bridge:
 
     def _native_way(self, outbound: Sequence[tuple[AnyHandler, OutboundRow, Subscription]]) -> NativeWay | None:
         """Return the way through the native core; None if there is no core, or if Python has to see all datagrams."""
-        if self._observers or self._clock is not SYSTEM_CLOCK:
+        if reason := self._why_python():
+            self._logger.info("Python handles all messages: %s", reason)
             return None
-        core = load_core(self._registry)
-        if isinstance(core, str):
+        try:
+            way = NativeWay(
+                self._registry,
+                open_core(self._registry),
+                lambda row: self._inbound_rows[row].publisher,
+                self._extra_topics.publishers,
+                outbound,
+                self._ends.destinations,
+                self._signed_peers.must_sign,
+            )
+        except NoCoreError as error:
+            self._logger.info("Python handles all messages: %s", error)
             return None
-        way = NativeWay(
-            self._registry,
-            core,
-            lambda row: self._inbound_rows[row].publisher,
-            self._extra_topics.publishers,
-            outbound,
-            self._ends.destinations,
-            self._signed_peers.must_sign,
-        )
         sock, wake = self._receiver.sockets
         way.loop.open(
             sock,
@@ -313,11 +315,23 @@ class Bridge:
             self._link.native = way
         return way
 
+    def _why_python(self) -> str:
+        """Return the reason why no message may take the native way; empty if there is none."""
+        if not self._parameters.native_core:
+            return "the parameter native_core is false"
+        if self._clock is not SYSTEM_CLOCK:
+            return "the stamps are those of a simulated clock"
+        return "a recorder has to see all datagrams" if self._observers else ""
+
     def _choose_way(self) -> None:
         """Let the native core read the socket, unless a parameter says that Python has to see all datagrams."""
         policy, learns = _reading(self._parameters)
         restricts = policy == "mapping" and restricts_sources(self._registry.peers)
-        self._receiver.use(self._native.loop if self._native is not None and not (restricts or learns) else None)
+        if self._native is None:
+            return
+        reason = "its sender is checked" if restricts else "an address is learned" if learns else ""
+        self._receiver.use(None if reason else self._native.loop)
+        self._logger.info("%s", self._native.summary(reason))
 
     def _not_accepted(self, handler: AnyHandler | AnyStandardHandler) -> None:
         """Count a message of the native core that the middleware has not accepted."""

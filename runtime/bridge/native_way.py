@@ -81,6 +81,12 @@ class NativeWay:
             for handler in registry.handlers
             if handler.route.inbound
         }
+        self.reasons: dict[str, str] = {
+            handler.route.name: f"datagrams of {handler.route.peer} are signed"
+            for handler in registry.handlers
+            if handler.route.peer in must_sign
+        }
+        """Reason why Python handles the messages of a row, by the row's name."""
         rows = [
             InboundTopics(handler, [(handler, publisher_of(handler.route.name)), *_of_row(handler, extra_topics)])
             for handler in registry.handlers
@@ -88,12 +94,13 @@ class NativeWay:
         ]
         links = [] if registry.link is None else [registry.link.number]
         self.loop = NativeReceiving(core, rows, [*destinations.values()], links, BOUNDS_S)
-        self.reasons = dict(self.loop.reasons)
-        """Reason why Python handles the messages of a row, by the row's name."""
+        self.reasons |= self.loop.reasons
         self._outbound: list[tuple[Route, EndName, native.Subscription]] = []
         for handler, row, subscription in outbound:
             end = registry.end_of(handler.route)
-            if reason := self._why_not(handler, subscription, core, registry, must_sign):
+            if handler.route.name in self.reasons:
+                continue
+            if reason := self._why_not(handler, subscription, core, registry):
                 self.reasons[handler.route.name] = reason
                 continue
             assert isinstance(subscription, NativeSubscription)  # noqa: S101  # or there is a reason
@@ -113,14 +120,11 @@ class NativeWay:
         subscription: Subscription,
         core: NativeCore,
         registry: Registry,
-        must_sign: Collection[str],
     ) -> str:
         """Return the reason why Python handles the messages of an outbound row; empty if the core can."""
         route = handler.route
         if reason := core.reason(handler):
             return reason
-        if route.peer in must_sign:
-            return f"datagrams of {route.peer} are signed"
         if route.max_rate is not None:
             return "max_rate"
         if registry.peers_by_name[route.peer].strip_trailing_zeros:
@@ -146,6 +150,25 @@ class NativeWay:
             row.native = name not in kept and (self._to_all or not forward.is_signed)
         for route, _, subscription in self._outbound:
             subscription.native = route.name not in self._refused
+
+    def summary(self, receiving: str) -> str:
+        """Return a text about the rows that the core handles, and why it does not handle the others.
+
+        ``receiving`` is the reason why Python receives all datagrams; empty if it does not.
+        """
+        inbound = [(name, receiving) for name in self.loop.rows if receiving]
+        signed = [
+            (name, "it is forwarded with a signature") for name in self.loop.rows if self._forwards[name].is_signed
+        ]
+        by_python = {**dict(inbound or ([] if self._to_all else signed)), **self.reasons}
+        rows = len({*self.loop.rows, *(route.name for route, _, _ in self._outbound), *self.reasons})
+        if not by_python:
+            return f"the native core handles all {rows} messages"
+        by_reason: dict[str, list[str]] = {}
+        for name, reason in by_python.items():
+            by_reason.setdefault(reason, []).append(name)
+        told = "; ".join(f"{reason}: {', '.join(names)}" for reason, names in by_reason.items())
+        return f"the native core handles {rows - len(by_python)} of {rows} messages, and Python the others ({told})"
 
     def end(self) -> None:
         """Let no row take the native way any more. Call it before the stops are sent, which nothing may follow."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 import ctypes
 from enum import IntEnum, IntFlag
 
+INTERFACE = 1
+"""Version of the interface that this module describes."""
 NONE = 0xFFFFFFFF
 """No index, or no bound."""
 
@@ -16,22 +18,24 @@ class Code(IntEnum):
     NARROW = 1
     COMPUTE = 2
     TEXT = 3
-    OCTETS = 4
-    LIST = 5
-    MAP = 6
-    BYTES = 7
-    PRESENCE = 8
-    WHICH = 9
-    STAMP = 10
-    TIME = 11
-    DURATION = 12
-    QUATERNION = 13
-    MOMENT = 14
-    FIELD = 15
-    MESSAGE = 16
-    REPEAT = 17
-    PACKED = 18
-    ANGLES = 19
+    CHOICE = 4
+    OCTETS = 5
+    LIST = 6
+    MAP = 7
+    BYTES = 8
+    PRESENCE = 9
+    WHICH = 10
+    STAMP = 11
+    TIME = 12
+    DURATION = 13
+    QUATERNION = 14
+    MOMENT = 15
+    FIELD = 16
+    CASE = 17
+    MESSAGE = 18
+    REPEAT = 19
+    PACKED = 20
+    ANGLES = 21
 
 
 class Flag(IntFlag):
@@ -50,7 +54,7 @@ class FieldFlag(IntFlag):
 
     REPEATED = 1
     UTF8 = 2
-    REQUIRED = 4
+    OPAQUE = 4
 
 
 class Number(IntEnum):
@@ -67,8 +71,7 @@ class ExpressionFlag(IntFlag):
     """Flag of an expression."""
 
     ROUND = 1
-    WHOLE = 2
-    CHECK_SINGLE = 4
+    CHECK_SINGLE = 2
 
 
 class Field(ctypes.Structure):
@@ -89,7 +92,7 @@ class Field(ctypes.Structure):
 class Layout(ctypes.Structure):
     """Proto message."""
 
-    _fields_ = tuple((name, ctypes.c_uint32) for name in ("first_field", "fields", "slots", "defaults"))
+    _fields_ = tuple((name, ctypes.c_uint32) for name in ("first_field", "fields", "slots", "defaults", "is_entry"))
 
 
 class Op(ctypes.Structure):
@@ -119,7 +122,7 @@ class Step(ctypes.Structure):
 
     _fields_ = (
         ("code", ctypes.c_uint32),
-        ("unused", ctypes.c_uint32),
+        ("is_whole", ctypes.c_uint32),
         ("real", ctypes.c_double),
         ("whole", ctypes.c_int64),
     )

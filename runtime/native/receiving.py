@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler
 from roverlink.runtime.native import bridge_layout as native
-from roverlink.runtime.native.core import NativeCore
+from roverlink.runtime.native.core import NativeCore, NoCoreError
 from roverlink.runtime.net.destination import Destination, can_segment
 
 ANY_LENGTH = 0xFFFFFFFF
@@ -114,6 +114,9 @@ class NativeReceiving:
             n_destinations=len(destinations),
             n_bounds=len(bounds),
         )
+
+        if core.library.rl_check_bridge(ctypes.byref(self._bridge)):
+            raise NoCoreError("the native library refuses the bridge; report this as a bug of roverlink")
 
     def _is_able(self, row: InboundTopics) -> bool:
         """Return true if the core can translate a row; else store the reason."""

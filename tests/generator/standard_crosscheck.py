@@ -8,6 +8,7 @@ from typing import Any
 import standard_values
 from hypothesis import given
 from hypothesis import strategies as st
+from native_crosscheck import NativeCheck
 from random_payloads import Payloads
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
@@ -24,7 +25,7 @@ _REFUSALS = ("is not among the values", "out of range", "infinity", "is too larg
 """Why a number that float64 holds, or an enum's default, may not come back."""
 
 
-def check_standard_topics(registry: Registry, bridge: Bridge, plain: Plain, *, jazzy: bool, native: Any) -> None:
+def check_standard_topics(registry: Registry, bridge: Bridge, plain: Plain, native: NativeCheck, jazzy: bool) -> None:
     """Raise `AssertionError` where a standard does something else than the IR and rosbags."""
     distributions = [Stores.ROS2_JAZZY] if jazzy else [Stores.ROS2_HUMBLE, Stores.ROS2_JAZZY]
     meant = {(route.number, standard.topic): standard for route in bridge.routes for standard in route.standard_topics}
@@ -35,10 +36,13 @@ def check_standard_topics(registry: Registry, bridge: Bridge, plain: Plain, *, j
     assert not meant
 
 
-def _check_standard_topic(handler: Any, standard: StandardTopic, store: Typestore, plain: Plain, native: Any) -> None:
+def _check_standard_topic(
+    handler: Any, standard: StandardTopic, store: Typestore, plain: Plain, native: NativeCheck
+) -> None:
     @given(Payloads([]).of(handler.payload_type.DESCRIPTOR), st.integers(0, 2**31 - 1), st.integers(0, 10**9 - 1))
     def both_ways(payload: Any, sec: int, nanosec: int) -> None:
         stamp = Time(sec, nanosec)
+        native.to_cdr(handler, payload, stamp)
         wanted = standard_values.values(standard, payload, stamp)
         try:
             serialized = handler.to_cdr(payload, stamp)
@@ -46,18 +50,18 @@ def _check_standard_topic(handler: Any, standard: StandardTopic, store: Typestor
             assert not standard_values.fits(wanted)
             return
         assert standard_values.fits(wanted)
-        native[0](handler, payload, serialized, stamp)
         assert cdr.encode(handler.to_ros(payload, stamp)) == serialized == handler._pack(payload, stamp)
         theirs = store.deserialize_cdr(serialized, standard.message)
         assert bytes(store.serialize_cdr(theirs, standard.message)) == serialized
         assert standard_values.equal(plain(theirs, store), wanted)
         if standard.recovered:
-            _check_way_back(handler, standard, serialized, wanted, stamp, native)
+            native.to_proto(handler, serialized)
+            _check_way_back(handler, standard, serialized, wanted, stamp)
 
     both_ways()
 
 
-def _check_way_back(handler: Any, standard: StandardTopic, serialized: bytes, wanted: Any, stamp: Time, native: Any) -> None:
+def _check_way_back(handler: Any, standard: StandardTopic, serialized: bytes, wanted: Any, stamp: Time) -> None:
     """What comes back says the same once more; what does not fit, as a number that only float64 holds, is refused."""
     try:
         back = handler.from_cdr(serialized)
@@ -65,7 +69,6 @@ def _check_way_back(handler: Any, standard: StandardTopic, serialized: bytes, wa
         if not any(why in str(error) for why in _REFUSALS):
             raise
         return
-    native[1](handler, serialized, back)
     again = standard_values.values(standard, back, stamp)
     told = {recovered.path[0] for recovered in standard.recovered}
     kept = {name: part for name, part in again.items() if name in told}

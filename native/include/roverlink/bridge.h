@@ -102,11 +102,11 @@ typedef struct rl_bridge {
 } rl_bridge;
 
 /* RL_OK, or RL_WRONG_TABLE if an index leads out of an array. */
-int rl_check_bridge(const rl_bridge *);
+RL_API int rl_check_bridge(const rl_bridge *);
 
 /* Handle datagrams until `stopping` is set or `wake` has data. Returns 0, what a call of Python returned if that was not 0, or -1 if memory
  * is short. */
-int rl_receive(rl_bridge *);
+RL_API int rl_receive(rl_bridge *);
 
 /* Sample info of Cyclone DDS: dds_sample_info_t. */
 typedef struct rl_sample_info {
@@ -160,7 +160,7 @@ typedef struct rl_server {
 } rl_server;
 
 /* Take messages and send them until `stopping` is set. Returns as `rl_receive` does. */
-int rl_serve(rl_server *);
+RL_API int rl_serve(rl_server *);
 
 #ifdef __cplusplus
 }

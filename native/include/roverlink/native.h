@@ -1,14 +1,15 @@
 /* Translation between protobuf's wire format and ROS 2's serialized messages (CDR) by a table. Plain C, no Python.
  *
- * A table is data: arrays of the structs below, which refer to each other by index. `rl_check` checks all indices once,
- * so that a wrong table is refused instead of read. A table never changes after that, and any number of threads may use
- * it; each thread needs a workspace of its own.
+ * A table is data: arrays of the structs below, which refer to each other by index. `rl_check` checks once that no
+ * index leads out of the table or out of a frame. That an operation fits the kind of its slot is up to who makes the
+ * table, roverlink.runtime.native. A table never changes after that, and any number of threads may use it; each
+ * thread needs a workspace of its own.
  *
- * A payload is read into a frame: an array of slots, one for each singular field, each list and each oneof. Programs are
- * arrays of operations, which read slots and write bytes, or read bytes and write slots.
+ * A payload is read into a frame: an array of slots, one for each singular field, each list and each oneof. Programs
+ * are arrays of operations, which read slots and write bytes, or read bytes and write slots.
  *
- * What the table or the data ask for and this library does not do has the result `RL_HAND_OVER`: the caller converts the
- * message in Python, which gives the message, or the error with its reason.
+ * What the table or the data ask for and this library does not do has the result `RL_HAND_OVER`: the caller converts
+ * the message in Python, which gives the message, or the error with its reason.
  */
 #ifndef ROVERLINK_NATIVE_H
 #define ROVERLINK_NATIVE_H
@@ -20,7 +21,9 @@
 extern "C" {
 #endif
 
-#define RL_NONE 0xffffffffu /* no index, no bound */
+#define RL_API __attribute__((visibility("default"))) /* what the library exports */
+#define RL_NONE 0xffffffffu                           /* no index, no bound */
+#define RL_INTERFACE 1 /* version of this interface; increase it with each change of this file that callers notice */
 
 enum rl_result { RL_OK = 0, RL_HAND_OVER = 1, RL_WRONG_TABLE = 2 };
 
@@ -31,7 +34,11 @@ enum rl_primitive {
 };
 
 /* Field of a proto message. */
-enum rl_field_flag { RL_REPEATED = 1, RL_UTF8 = 2, RL_REQUIRED = 4 };
+enum rl_field_flag {
+  RL_REPEATED = 1,
+  RL_UTF8 = 2,
+  RL_OPAQUE = 4 /* message that contains the message of the field: it is read, and not kept */
+};
 
 typedef struct rl_field {
   uint32_t number;
@@ -48,16 +55,20 @@ typedef struct rl_field {
 typedef struct rl_layout {
   uint32_t first_field, fields;
   uint32_t slots;
-  uint32_t defaults; /* index in `words` of the first slot's default: two words a slot, the value and the size */
+  uint32_t defaults; /* index in `words` of the first slot's default, two words a slot: a number and 0, or a text */
+  uint32_t is_entry; /* 1 for an entry of a map */
 } rl_layout;
 
-/* Operations. `slot` is a slot of the frame; a body is the `size` operations behind the operation. */
+/* Operations. `slot` is a slot of the frame; a body is the `size` operations behind the operation. A text is two words:
+ * an index in `bytes`, and a length. */
 enum rl_code {
   /* CDR from a frame of a payload, and CDR to a frame of a ROS message. */
   RL_COPY,      /* primitive `type`, the same in both */
   RL_NARROW,    /* integer of `type` from an enum's int32 */
   RL_COMPUTE,   /* primitive `type` from expression `a` */
-  RL_TEXT,      /* string; `a` is its bound */
+  RL_TEXT,      /* string; `a` is its bound; `b` is the text in `words` if the slot is not set, or RL_NONE */
+  RL_CHOICE,    /* string for the number in the slot: `a` is the index in `words` of a count and as many cases, each
+                   a number and a text; `b` is the text for other numbers, or RL_NONE */
   RL_OCTETS,    /* uint8 sequence, `a` is its bound; or array of length `b` */
   RL_LIST,      /* sequence, `a` is its bound; or array of length `b`; the body writes or reads an element, whose
                    frame has `number` slots */
@@ -71,8 +82,10 @@ enum rl_code {
   RL_QUATERNION, /* from the expressions `a`, `a` + 1 and `a` + 2: roll, pitch and yaw in radians */
   RL_MOMENT,     /* time or duration from expression `a`, which gives nanoseconds */
   /* Protobuf from a frame of a ROS message: fields in the order of falling numbers, written from the end. */
-  RL_FIELD,    /* field `number` of proto type `type` */
-  RL_MESSAGE,  /* field `number`; the body writes the message */
+  RL_FIELD,    /* field `number` of proto type `type`, from the slot or from expression `a`; `b` is the index in `words`
+                  of a count and the values of a closed enum, or RL_NONE */
+  RL_CASE,     /* the same, but the number for the text in the slot: cases `a` as those of RL_CHOICE */
+  RL_MESSAGE,  /* field `number` of proto type `type`, message or group; the body writes the message */
   RL_REPEAT,   /* each element of a list, whose frames have `b` slots; the body writes one element */
   RL_PACKED,   /* field `number`; as RL_REPEAT, with elements of field 0, which have no tag */
   RL_ANGLES,   /* roll, pitch and yaw in slots `slot` to `slot` + 2 from the quaternion in slots `a` to `a` + 3 */
@@ -103,7 +116,7 @@ typedef struct rl_op {
 /* Number computed from a slot: steps in order, then rounding. */
 enum rl_number { RL_SIGNED, RL_UNSIGNED, RL_SINGLE, RL_DOUBLE, RL_NANOSECONDS /* of a time in two slots */,
   RL_NUMBERS };
-enum rl_expression_flag { RL_ROUND = 1, RL_WHOLE = 2, RL_CHECK_SINGLE = 4 };
+enum rl_expression_flag { RL_ROUND = 1, RL_CHECK_SINGLE = 2 };
 
 typedef struct rl_expression {
   uint8_t source;    /* rl_number */
@@ -120,14 +133,14 @@ enum rl_step_code { RL_NEGATE, RL_TIMES, RL_BY, RL_PLUS, RL_MINUS, RL_FLOORED, R
 
 typedef struct rl_step {
   uint32_t code;
-  uint32_t unused;
+  uint32_t is_whole; /* 1: the operand is `whole`, and an integer stays one; 0: it is `real` */
   double real;
   int64_t whole;
 } rl_step;
 
 /* Conversion of one message in both directions. */
 typedef struct rl_translation {
-  uint32_t layout;                 /* of the payload */
+  uint32_t layout;                 /* of the payload; RL_NONE: the message cannot be computed from the payload */
   uint32_t to_cdr, to_cdr_size;    /* operations on a frame of the payload */
   uint32_t from_cdr, from_cdr_size;  /* operations that fill a frame of the ROS message */
   uint32_t cdr_slots;              /* size of that frame; RL_NONE: the payload cannot be computed from the message */
@@ -149,21 +162,24 @@ typedef struct rl_table {
 /* Memory of one thread: a fixed size, which no datagram changes. */
 typedef struct rl_workspace rl_workspace;
 
-rl_workspace *rl_workspace_new(size_t bytes);
-void rl_workspace_free(rl_workspace *);
+RL_API rl_workspace *rl_workspace_new(size_t bytes);
+RL_API void rl_workspace_free(rl_workspace *);
+
+/* RL_INTERFACE of the library, by which a caller recognizes one that was built from other sources. */
+RL_API uint32_t rl_interface(void);
 
 /* RL_OK, or RL_WRONG_TABLE if an index leads out of the table. */
-int rl_check(const rl_table *);
+RL_API int rl_check(const rl_table *);
 
 /* Write the serialized ROS 2 message of a payload, with its encapsulation header. `size` holds the room of `out`, then
  * the number of bytes written. `sec` and `nanosec` are the time of receipt. */
-int rl_to_cdr(const rl_table *, uint32_t translation, rl_workspace *, const uint8_t *payload, size_t payload_size,
-              int32_t sec, uint32_t nanosec, uint8_t *out, size_t *size);
+RL_API int rl_to_cdr(const rl_table *, uint32_t translation, rl_workspace *, const uint8_t *payload,
+                     size_t payload_size, int32_t sec, uint32_t nanosec, uint8_t *out, size_t *size);
 
 /* Write the payload of a serialized ROS 2 message at the end of `out`; `size` as above: the payload begins at
  * `out` + room - `size`. */
-int rl_to_proto(const rl_table *, uint32_t translation, rl_workspace *, const uint8_t *cdr, size_t cdr_size,
-                uint8_t *out, size_t *size);
+RL_API int rl_to_proto(const rl_table *, uint32_t translation, rl_workspace *, const uint8_t *cdr, size_t cdr_size,
+                       uint8_t *out, size_t *size);
 
 #ifdef __cplusplus
 }

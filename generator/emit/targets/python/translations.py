@@ -7,7 +7,7 @@ file, from the protobuf descriptors and from the classes of the ROS messages.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
 
@@ -86,8 +86,7 @@ def _target(field: TargetField) -> Json:
         return {**made, "rotation": [_number(part) for part in (value.roll, value.pitch, value.yaw)]}
     if isinstance(value, Moment):
         return {**made, "moment": _moment(value)}
-    assert isinstance(value, (Taken, Chosen, Constant))
-    return {**made, **_number(value)}
+    return made if isinstance(value, Unset) else {**made, **_number(value)}
 
 
 def _number(value: Taken | Chosen | Constant) -> Json:
@@ -124,8 +123,7 @@ def _recovered(recovered: Recovered) -> Json:
         return {**made, **_back(value, recovered.type.name)}
     if isinstance(value, Chosen):
         return {**made, "to": value.source.dotted, "cases": _inverse(value)}
-    assert value.source is not None
-    return {**made, "moment": {"to": value.source.dotted, **_time_back(value)}}
+    return {**made, "moment": _time_back(value)}
 
 
 def _back(value: Taken, type: str) -> Json:
@@ -140,11 +138,13 @@ def _inverse(value: Chosen) -> list[list[Any]]:
     return [[case.counterpart.value, case.number] for case in value.cases]
 
 
-def _time_back(value: Moment) -> Mapping[str, Any]:
-    assert value.source is not None
-    if value.nanoseconds == 1:
+def _time_back(value: Moment) -> Json:
+    source, divisor = value.source, value.nanoseconds
+    if source is None:
         return {}
-    divisor = value.nanoseconds
-    if value.source.is_integer and divisor.denominator == 1:
-        return _flags([Step("//", divisor, whole=True)])
-    return _flags([Step("/", Fraction(divisor))], round=value.source.is_integer)
+    made = {"to": source.dotted}
+    if divisor == 1:
+        return made
+    if source.is_integer and divisor.denominator == 1:
+        return made | _flags([Step("//", divisor, whole=True)])
+    return made | _flags([Step("/", Fraction(divisor))], round=source.is_integer)
