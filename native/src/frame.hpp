@@ -1,6 +1,7 @@
 // Frames: the values of a message between reading and writing, in memory of a fixed size.
 #pragma once
 
+#include <cfloat>
 #include <cstdint>
 #include <cstring>
 #ifdef RL_GUARD_WORKSPACE  // for the fuzzer, which has AddressSanitizer
@@ -10,6 +11,10 @@
 #include "roverlink/native.h"
 
 namespace roverlink {
+
+// On other machines nothing is compiled, and Python translates.
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "numbers are copied as they are");
+static_assert(FLT_EVAL_METHOD == 0, "each operation rounds to a double, as in Python");
 
 struct Chunk;
 
