@@ -120,6 +120,12 @@ inline uint64_t sign_extended(uint64_t bits) {
   return static_cast<uint64_t>(static_cast<int64_t>(static_cast<int32_t>(static_cast<uint32_t>(bits))));
 }
 
+// The bits of a float, of which a signalling NaN becomes a quiet one: Python reads floats as doubles, and so does that.
+inline uint64_t quiet(uint64_t bits) {
+  constexpr uint64_t exponent = 0x7f800000, mantissa = 0x007fffff, is_quiet = 0x00400000;
+  return (bits & exponent) == exponent && (bits & mantissa) != 0 ? bits | is_quiet : bits;
+}
+
 // True for the proto types that are messages.
 inline bool is_message(uint8_t type) { return type == PROTO_MESSAGE || type == PROTO_GROUP; }
 
