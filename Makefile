@@ -61,7 +61,7 @@ soak: $(VENV)/ready  ## five minutes of datagrams for the sample rover, and five
 		$(SOAK_FAULTS) --scenario hostile
 
 fuzz: $(VENV)/ready-fuzz  ## every parser of bytes from outside, a minute each
-	for target in datagram trailing-zeros sample message; do \
+	for target in datagram trailing-zeros sample message native-payload native-message; do \
 		$(BIN)/python tests/fuzz $$target -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
 fuzz-native: $(VENV)/ready-dev  ## both directions of the native core, each with two tables for a minute, with sanitizers; needs clang

@@ -92,6 +92,7 @@ ACCEPTED = {
         ]
     ),
     "a NaN": _varint(11 << 3 | 5) + bytes.fromhex("0100c07f"),
+    "a signalling NaN": _varint(11 << 3 | 5) + bytes.fromhex("0100a07f"),
     "an empty text": field(14, b""),
     "a text of UTF-8": field(14, "é€😀".encode()),
     "an enum's number that is not declared": field(16, 77),
@@ -169,6 +170,7 @@ HANDED_OVER = {
 }
 OTHERS = {
     "a map: an unknown field in an entry": field(22, field(1, b"x") + field(3, 5)),
+    "a map: a key of another wire type": field(22, field(1, b"x") + field(1, 5)),
     "an enum's number that the ROS field does not hold": field(16, _MINUS_ONE),
     "a closed enum's number that is not declared": field(17, 1) + field(17, 5),
     "the same in a list": field(28, b"\0\1\5\1"),

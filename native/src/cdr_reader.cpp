@@ -62,6 +62,7 @@ class Reader {
       case RL_INT8: slot->bits = sign_extended(static_cast<uint64_t>(static_cast<int8_t>(slot->bits))); break;
       case RL_INT16: slot->bits = sign_extended(static_cast<uint64_t>(static_cast<int16_t>(slot->bits))); break;
       case RL_INT32: slot->bits = sign_extended(slot->bits); break;
+      case RL_FLOAT32: slot->bits = quiet(slot->bits); break;
       default: break;
     }
     return true;

@@ -1,6 +1,7 @@
 // Frames: the values of a message between reading and writing, in memory of a fixed size.
 #pragma once
 
+#include <cfloat>
 #include <cstdint>
 #include <cstring>
 #ifdef RL_GUARD_WORKSPACE  // for the fuzzer, which has AddressSanitizer
@@ -10,6 +11,10 @@
 #include "roverlink/native.h"
 
 namespace roverlink {
+
+// On other machines nothing is compiled, and Python translates.
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "numbers are copied as they are");
+static_assert(FLT_EVAL_METHOD == 0, "each operation rounds to a double, as in Python");
 
 struct Chunk;
 
@@ -113,6 +118,12 @@ inline T bits_of(const S &value) {
 // The low 32 bits as a signed integer.
 inline uint64_t sign_extended(uint64_t bits) {
   return static_cast<uint64_t>(static_cast<int64_t>(static_cast<int32_t>(static_cast<uint32_t>(bits))));
+}
+
+// The bits of a float, of which a signalling NaN becomes a quiet one: Python reads floats as doubles, and so does that.
+inline uint64_t quiet(uint64_t bits) {
+  constexpr uint64_t exponent = 0x7f800000, mantissa = 0x007fffff, is_quiet = 0x00400000;
+  return (bits & exponent) == exponent && (bits & mantissa) != 0 ? bits | is_quiet : bits;
 }
 
 // True for the proto types that are messages.

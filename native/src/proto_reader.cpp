@@ -27,8 +27,7 @@ class Reader {
       if (wire == END_GROUP) {
         ended = tag >> 3;
       } else if (field == nullptr) {
-        // Protobuf in Python drops an entry of a map that contains an unknown field.
-        if (layout.is_entry != 0 || !skip(at, end, tag)) return false;
+        if (!unknown(layout, at, end, tag)) return false;
       } else if (!read(*field, tag, at, end, frame, layout)) {
         return false;
       }
@@ -90,7 +89,12 @@ class Reader {
     return true;
   }
 
-  // Skips an unknown field.
+  // Skips an unknown field. Protobuf in Python drops an entry of a map that contains one, so that is handed over.
+  bool unknown(const rl_layout &layout, const uint8_t **at, const uint8_t *end, uint32_t tag) {
+    return layout.is_entry == 0 && skip(at, end, tag);
+  }
+
+  // Skips a field.
   bool skip(const uint8_t **at, const uint8_t *end, uint32_t tag) {
     const uint8_t *start = nullptr;
     uint64_t value = 0;
@@ -124,7 +128,7 @@ class Reader {
     if ((tag & 7) != own) {
       // A repeated scalar may be packed or not, whatever the schema says. Anything else is an unknown field.
       const bool is_packed = (tag & 7) == DELIMITED && repeated && own != DELIMITED && own != START_GROUP;
-      return is_packed ? packed(field, own, at, end, slot) : skip(at, end, tag);
+      return is_packed ? packed(field, own, at, end, slot) : unknown(layout, at, end, tag);
     }
     if (field.oneof != RL_NONE) choose(field, layout, frame);
     if ((field.flags & RL_OPAQUE) != 0) {
@@ -235,6 +239,7 @@ class Reader {
     }
     if (!fixed(at, end, own == FIXED64 ? 8 : 4, &slot->bits)) return false;
     if (field.type == PROTO_SFIXED32) slot->bits = sign_extended(slot->bits);
+    if (field.type == PROTO_FLOAT) slot->bits = quiet(slot->bits);
     return true;
   }
 
