@@ -20,10 +20,10 @@ from roverlink.runtime.bridge.to_peer import OutboundRow
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, EndName, Registry
 from roverlink.runtime.middleware import Publisher, Subscription
-from roverlink.runtime.middleware.serving import LentTopic
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
-from roverlink.runtime.native.receiving import ANY_LENGTH, InboundTopics, NativeReceiving
+from roverlink.runtime.native.datagram_loop import ANY_LENGTH, InboundTopics, DatagramLoop
+from roverlink.runtime.native.topic_loop import LentTopic
 from roverlink.runtime.net.destination import Destination, can_segment
 
 
@@ -93,7 +93,7 @@ class NativeWay:
             if handler.route.inbound and handler.route.peer not in must_sign
         ]
         links = [] if registry.link is None else [registry.link.number]
-        self.loop = NativeReceiving(core, rows, [*destinations.values()], links, BOUNDS_S)
+        self.loop = DatagramLoop(core, rows, [*destinations.values()], links, BOUNDS_S)
         self.reasons |= self.loop.reasons
         self._outbound: list[tuple[Route, EndName, native.Subscription]] = []
         for handler, row, subscription in outbound:

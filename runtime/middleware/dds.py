@@ -49,10 +49,10 @@ from roverlink.runtime.middleware.joined_addresses import JoinedAddresses, is_lo
 from roverlink.runtime.middleware.parameter_services import ParameterServices
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
 from roverlink.runtime.middleware.ros_domain import ros_domain
-from roverlink.runtime.middleware.serving import LentTopic, ServedTopic, has_ended, serve
+from roverlink.runtime.middleware.serving import ServedTopic, has_ended, serve
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
-from roverlink.runtime.native.serving import NativeServer
+from roverlink.runtime.native.topic_loop import LentTopic, TopicLoop
 
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
@@ -147,7 +147,7 @@ class DdsMiddleware(Middleware):
         self._serving = threading.RLock()  # held while readers are taken from, so that none is deleted meanwhile
         self._changing = threading.RLock()  # held while the topics change; before `_serving`
         self._conditions: dict[int, ReadCondition] = {}
-        self._native: NativeServer | None = None
+        self._native: TopicLoop | None = None
         self._changed = GuardCondition(self._participant)
         self._services: DdsServices | None = None
         self._parameters: NodeParameters | ParameterServices | None = parameters
@@ -196,7 +196,7 @@ class DdsMiddleware(Middleware):
 
         def lend(core: NativeCore, lent: LentTopic) -> None:
             with self._changing:
-                self._native = self._native or NativeServer(core, reading_functions())
+                self._native = self._native or TopicLoop(core, reading_functions())
                 lent.struct.reader = raw_reader.reference
                 self._set_topics((*others(), ServedTopic(raw_reader, callback, priority, lent)))
 
@@ -286,7 +286,7 @@ class DdsMiddleware(Middleware):
             with self._serving:
                 serve(self._topics, self._topics)
 
-    def _serve_natively(self, server: NativeServer) -> None:
+    def _serve_natively(self, server: TopicLoop) -> None:
         """Let the native core serve the topics until they change, or until the thread has to end."""
         with self._changing:
             self._changed.set(False)

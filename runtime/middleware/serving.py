@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Protocol
 
 from roverlink.runtime.middleware.protocol import Callback
-from roverlink.runtime.native.bridge_layout import Subscription
+from roverlink.runtime.native.topic_loop import LentTopic
 
 # All messages of a take go to one callback. Large enough to keep up with a burst, small enough that other topics get
 # their turn.
@@ -22,14 +22,6 @@ class Reader(Protocol):
 
     def take(self, most: int) -> list[bytes]:
         """Take at most ``most`` received messages, the oldest first."""
-
-
-class LentTopic(NamedTuple):
-    """Topic whose messages the native core takes and sends."""
-
-    struct: Subscription
-    send: Callable[[bytes], None]
-    """Function that sends a datagram that the core could not send."""
 
 
 class ServedTopic(NamedTuple):

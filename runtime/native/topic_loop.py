@@ -4,21 +4,47 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
-from roverlink.runtime.middleware.serving import ServedTopic
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
 
 
-class NativeServer:
+class LentTopic(NamedTuple):
+    """Topic whose messages the native core takes and sends."""
+
+    struct: native.Subscription
+    send: Callable[[bytes], None]
+    """Function that sends a datagram that the core could not send."""
+
+
+class Topic(Protocol):
+    """Subscribed topic of a middleware."""
+
+    @property
+    def callback(self) -> Callable[[Sequence[bytes]], None]:
+        """Function that gets the messages that the core has taken but cannot convert."""
+
+    @property
+    def priority(self) -> int:
+        """Priority; topics with larger numbers are served first."""
+
+    @property
+    def lent(self) -> LentTopic | None:
+        """The topic as the core serves it; None if Python takes its messages."""
+
+    def serve(self, most: int) -> None:
+        """Take at most ``most`` messages in Python, and handle them."""
+
+
+class TopicLoop:
     """Loop of the native core that takes the messages of topics."""
 
     def __init__(self, core: NativeCore, reading: native.Reading) -> None:
         """Take messages with the functions ``reading`` of the middleware."""
         self._core, self._reading = core, reading
         self._workspace = core.new_workspace()
-        self._topics: Sequence[ServedTopic] = ()
+        self._topics: Sequence[Topic] = ()
         self._failure: BaseException | None = None
         self._calls = native.ServingCalls(
             native.Serve(lambda index, most: self._guarded(self._topics[index].serve, most)),
@@ -27,7 +53,7 @@ class NativeServer:
         )
         self._server = native.Server()
 
-    def prepare(self, topics: Sequence[ServedTopic]) -> None:
+    def prepare(self, topics: Sequence[Topic]) -> None:
         """Serve these topics at the next `run`, the most urgent first."""
         structs = (ctypes.POINTER(native.Subscription) * len(topics))()
         for index, topic in enumerate(topics):

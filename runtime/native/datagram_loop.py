@@ -1,6 +1,6 @@
 """Reception of datagrams by the native core: from the socket to topics and to other peers without Python.
 
-`NativeReceiving` makes the structs that the core's thread works with, and takes the calls for what the core cannot do.
+`DatagramLoop` makes the structs that the core's thread works with, and takes the calls for what the core cannot do.
 The bridge decides which rows are native, and may decide anew at any time.
 """
 
@@ -55,7 +55,7 @@ class NativeCounts(NamedTuple):
     """Datagrams sent to each destination."""
 
 
-class NativeReceiving:
+class DatagramLoop:
     """Loop of the native core for one bridge, with its counters. One thread at a time may call `run`."""
 
     def __init__(
