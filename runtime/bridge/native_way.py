@@ -22,7 +22,7 @@ from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, EndN
 from roverlink.runtime.middleware import Publisher, Subscription
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
-from roverlink.runtime.native.datagram_loop import ANY_LENGTH, InboundTopics, DatagramLoop
+from roverlink.runtime.native.datagram_loop import ANY_LENGTH, DatagramLoop, InboundTopics
 from roverlink.runtime.native.topic_loop import LentTopic
 from roverlink.runtime.net.destination import Destination, can_segment
 

@@ -164,7 +164,7 @@ def test_no_thread_dies_alone(
     assert code == (2 if said.startswith("roverlink") else 0), errors
     assert any(said.format(middleware) in line for line in lines), errors
     assert any(": received " in line for line in lines[-2:]), errors
-    assert _last_stops(peer) == _STOPS
+    assert _last_stops(peer) >= _STOPS  # and those of a silence before the end, on a busy computer
 
 
 def test_a_clock_beyond_2038_ends_nothing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
