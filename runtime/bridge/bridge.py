@@ -6,6 +6,8 @@ Two threads do the work.
 - A thread of the middleware calls the bridge with the messages of topics. On this thread the messages are translated
   to datagrams, and the datagrams are sent.
 
+On both threads, the native core does this work for the rows that take the native way (`NativeWay`).
+
 A third thread, the `Timekeeper`, runs if the table has ``max_rate`` or ``deadman``. A fourth thread looks at the other
 nodes: whether the topics with ``deadman`` still have publishers, and whether the QoS of both ends of a topic match.
 """
