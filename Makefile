@@ -13,9 +13,11 @@ FUZZ_SECONDS ?= 60
 # Without the compiled modules, each program that a test starts compiles all of roverlink again.
 unexport PYTHONDONTWRITEBYTECODE
 RUNTIME_INTERFACES := roverlink.generator.emit.targets.python.runtime_interfaces
-HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs conftest.py
+HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs conftest.py hatch_build.py
+# An editable install compiles the native core from these.
+NATIVE := hatch_build.py $(wildcard native/include/roverlink/*.h native/src/*)
 
-.PHONY: help demo test test-all exhaustive test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz lint bench bench-vision bench-video mutation pictures generate docs docs-reference clean
+.PHONY: help demo test test-all exhaustive test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz fuzz-native lint bench bench-vision bench-video mutation pictures generate docs docs-reference clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -59,8 +61,12 @@ soak: $(VENV)/ready  ## five minutes of datagrams for the sample rover, and five
 		$(SOAK_FAULTS) --scenario hostile
 
 fuzz: $(VENV)/ready-fuzz  ## every parser of bytes from outside, a minute each
-	for target in datagram trailing-zeros sample message; do \
+	for target in datagram trailing-zeros sample message native-payload native-message; do \
 		$(BIN)/python tests/fuzz $$target -max_total_time=$(FUZZ_SECONDS) || exit 1; done
+
+fuzz-native: $(VENV)/ready-dev  ## both directions of the native core, each with two tables for a minute, with sanitizers; needs clang
+	for door in to_cdr to_proto; do \
+		$(BIN)/python tests/fuzz/native_core.py $$door -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
 lint: $(VENV)/ready-full  ## ruff, black, mypy --strict, whether generated/ is what mapping.yaml says, and the numbers
 	$(BIN)/ruff check .
@@ -137,7 +143,7 @@ $(VENV)/ready-dist: | $(VENV)/bin/python
 	@touch $@
 
 # Not --quiet: pip shows the progress of each download.
-$(addprefix $(VENV)/,ready ready-demo ready-dev ready-full ready-vision ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml rover/pyproject.toml check_launch/pyproject.toml | $(VENV)/bin/python
+$(addprefix $(VENV)/,ready ready-demo ready-dev ready-full ready-vision ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml rover/pyproject.toml check_launch/pyproject.toml $(NATIVE) | $(VENV)/bin/python
 	@echo "installing in $(VENV): about $(SIZE) MB on the disk; the first time, this can take minutes"
 	@$(BIN)/python -m pip install --disable-pip-version-check $(addprefix --editable ,$(PACKAGES)) $(OPENCV_PIN)
 	@touch $@

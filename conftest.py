@@ -18,6 +18,7 @@ from roverlink.dds_domain import claim_domain
 
 _REPOSITORY = Path(__file__).parent
 
+os.environ.setdefault("HYPOTHESIS_NO_PLUGINS", "1")  # Selenium brings Trio, whose plugin takes a tenth of a second
 with contextlib.suppress(ImportError):  # the environments of tests/ros2 have no Hypothesis
     from hypothesis import HealthCheck, settings
 

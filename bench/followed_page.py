@@ -18,13 +18,13 @@ from roverlink.link_page.followed_bridges import FollowedBridges
 from roverlink.link_page.live_page import LivePage
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkState
+from roverlink.runtime.bridge.handling_times import HandlingTimes, Latencies
 from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME, UNKNOWN, EndReport
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.link_message import LinkMessage
 from roverlink.runtime.core.link_statistics import LinkStatistics
 from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.monitoring import diagnostic_array
-from roverlink.runtime.monitoring.histogram import LatencyProbe
 from roverlink.runtime.monitoring.liveness import Liveness
 from roverlink.runtime.monitoring.monitor import Monitor
 from roverlink.runtime.monitoring.state import EndState, Level
@@ -83,6 +83,10 @@ class _Bridge:
         """Return the state of an empty socket."""
         return SocketState(0, 4096, 0)
 
+    def latencies(self) -> Latencies:
+        """Return a histogram without datagrams."""
+        return HandlingTimes().latencies
+
     def link_reports(self) -> list[EndReport]:
         """Return no report: the table has no link message."""
         return []
@@ -95,7 +99,7 @@ class FollowedPage:
         self.url, self.page, self._now = url, page, now
         self.heard = HeardBridges(clock=lambda: self._now[0], most=MOST)
         self.bridges = FollowedBridges(self.heard, page)
-        self._idle = Monitor("bridge", REGISTRY, _Bridge(), LatencyProbe()).state()
+        self._idle = Monitor("bridge", REGISTRY, _Bridge()).state()
 
     def hear(
         self, name: str, after: float = 0.1, ages: dict[str, float] | None = None, links: bool = False, **origin: Any

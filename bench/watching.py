@@ -15,7 +15,6 @@ from bench.wire import imu_datagram
 from generated.registry import REGISTRY
 from roverlink.runtime import SetupError
 from roverlink.runtime.monitoring.foxglove_server import FoxgloveServer
-from roverlink.runtime.monitoring.histogram import LatencyProbe
 
 MESSAGES, QUICK_MESSAGES = 1_000_000, 100_000
 BATCH = 8
@@ -36,7 +35,6 @@ def measure(lab: Lab) -> SectionResult:
     rows, data = [], []
     for name, opened in (
         ("recorder", _recorder),
-        ("latency histogram", _histogram),
         ("Foxglove, no viewer", _foxglove),
     ):
         try:
@@ -81,11 +79,6 @@ def _recorder() -> Iterator[tuple[Take, Callable[[], dict[str, Any]]]]:
         received = recorder.datagrams("received")
         with recorder:
             yield received, lambda: {"lost": recorder.lost, "bytes": recorder.bytes}
-
-
-@contextmanager
-def _histogram() -> Iterator[tuple[Take, Callable[[], dict[str, Any]]]]:
-    yield LatencyProbe().receiving(lambda _: None), dict
 
 
 @contextmanager

@@ -113,13 +113,12 @@ def visible(text: str) -> str:
     """
     if text.isprintable():
         return text
-    return "".join(
-        (
-            character
-            if character.isprintable() or character in "\n\t" or unicodedata.category(character) == "Zs"
-            else character.encode("unicode_escape").decode()
-        )
-        for character in text
+    return text.translate(
+        {
+            ord(character): character.encode("unicode_escape").decode()
+            for character in set(text)
+            if not (character.isprintable() or character in "\n\t" or unicodedata.category(character) == "Zs")
+        }
     )
 
 

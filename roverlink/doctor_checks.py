@@ -31,6 +31,7 @@ from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.middleware import NodeIdentity, can_import, open_middleware
 from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.middleware.ros_domain import ros_domain
+from roverlink.runtime.native.core import NoCoreError, open_core
 from roverlink.runtime.net import hosts, udp
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.parameters import Parameters
@@ -79,7 +80,7 @@ def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) 
         registry = load_project(project_folder(project))
         messages, fingerprint = counted(len(registry.handlers), "message"), registry.fingerprint[:12]
         found.append(CheckResult("ok", examined, f"{messages}, fingerprint of the table {fingerprint}"))
-        found += _table(project_folder(project))
+        found += [*_table(project_folder(project)), *_native_core(registry)]
         examined = "parameters"
         settings = parameters.read(registry, ros.parameters_in(parameters.declarations(registry), getLogger()))
     except RoverlinkError as error:
@@ -127,6 +128,19 @@ def _table(project: Path) -> Iterator[CheckResult]:
     if changed := [change.path for change in changes if change.verb != "removed"]:
         says = f"the generated code is not that of this table ({len(changed)} files differ); the bridge uses the code"
         yield CheckResult("warning", TABLE, says, "roverlink generate")
+
+
+def _native_core(registry: Registry) -> Iterator[CheckResult]:
+    """Say which messages the native core translates. Python translates the others to the same, but more slowly."""
+    try:
+        core = open_core(registry)
+    except NoCoreError as error:
+        yield CheckResult("ok", "native core", f"Python translates all messages, because {error}")
+        return
+    for topic, reason in core.unsupported.items():
+        yield CheckResult("ok", "native core", f"Python translates the messages on {topic}, because {reason}")
+    native = len(registry.by_topic) - len(core.unsupported)
+    yield CheckResult("ok", "native core", f"it translates the messages on {counted(native, 'topic')}")
 
 
 # --- the network ------------------------------------------------------------------------------------------------

@@ -23,7 +23,6 @@ from roverlink.runtime.middleware.tapping import TappedMiddleware
 from roverlink.runtime.monitoring import diagnostic_array
 from roverlink.runtime.monitoring.foxglove_server import PORT as FOXGLOVE_PORT
 from roverlink.runtime.monitoring.foxglove_server import FoxgloveServer
-from roverlink.runtime.monitoring.histogram import LatencyProbe
 from roverlink.runtime.monitoring.liveness import SilenceLog
 from roverlink.runtime.monitoring.monitor import Monitor
 from roverlink.runtime.monitoring.state import Recording, State
@@ -111,13 +110,10 @@ class BridgeObservers:
         self._arguments, self._registry, self._ros, self._settings = arguments, registry, ros, settings
         self._parameters = live
         self._logger, self._stack = logger, stack
-        self._probe = LatencyProbe()
         self.observers: list[Observer] = []
         """Observers of datagrams that the bridge gets when it is made; complete after the call of `wrap`."""
         self._recording: Callable[[], Recording | None] = lambda: None
         self._link: LiveLink | None = None
-        if self._monitored:
-            self.observers.append(self._probe)
 
     @property
     def _monitored(self) -> bool:
@@ -151,9 +147,7 @@ class BridgeObservers:
         watch = ExitStack()
         if not self._monitored:
             return watch
-        monitor = Monitor(
-            self._ros.node.name, self._registry, bridge, self._probe, self._recording, logger=self._logger
-        )
+        monitor = Monitor(self._ros.node.name, self._registry, bridge, self._recording, logger=self._logger)
         silences = SilenceLog(self._logger)
         monitor.add_listener(lambda state: silences.take({end.end: end.liveness for end in state.ends}))
         if not self._arguments.no_diagnostics:

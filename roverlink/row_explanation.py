@@ -22,6 +22,7 @@ from roverlink.generator.pipeline import Compiled, compile_table
 from roverlink.generator.protos.schema import ProtoField
 from roverlink.generator.table import Row
 from roverlink.runtime.core.errors import RoverlinkError
+from roverlink.runtime.native.core import open_core
 from roverlink.wire_dump import wire_lines
 
 _NUMBER = re.compile("[0-9]{1,9}")  # the largest field number, 536870911, has nine digits
@@ -82,6 +83,7 @@ class Project:
             "size": self._size(row),
             "fields": [self._field(field, row) for field in (route.conversion.fields if route.conversion else ())],
             "standard": [self._standard(standard) for standard in route.standard_topics],
+            "translation": self._translation(route),
             "ignored": list(row.ignore),
             "published": self._published(row.number),
             "history": self._history(row.number),
@@ -116,6 +118,16 @@ class Project:
             "fields": fields,
             "way_back": standard.obstacle or "yes",
         }
+
+    def _translation(self, route: ir.Route) -> list[dict[str, Any]]:
+        """Return the reason why Python translates the messages of each topic of a row; None if the native core does."""
+        topics = dict.fromkeys((route.topic, *(standard.topic for standard in route.standard_topics)))
+        try:
+            registry = load_project(self.folder)
+            core = open_core(registry)
+            return [{"topic": one, "in_python": core.reason(registry.by_topic[one]) or None} for one in topics]
+        except (RoverlinkError, KeyError) as error:
+            return [{"topic": topic, "in_python": str(error)} for topic in topics]
 
     def _proto(self, file: str) -> str:
         return shown(self.context.table.proto.root, file)

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from roverlink.runtime.native.core import LIBRARY
+
 SLOW = "slow (make test-all)"
 EXHAUSTIVE = "exhaustive (make exhaustive)"
 NO_DDS = "need Cyclone DDS (no wheel for this machine)"
@@ -24,8 +26,10 @@ NO_PYPDFIUM2 = "need pypdfium2 (make test-all)"
 NO_ROS = "need ROS 2's tools and C++ libraries (xargs apt-get install <tests/ros/debian-packages)"
 NO_NANOPB = "need nanopb (apt-get install gcc libnanopb-dev; pip install nanopb)"
 NO_RCLPY = "need a real ROS 2 (make test-ros2)"
+NO_NATIVE = "need the native core (pip install -e . where a C++ compiler is)"
 NOT_LINUX = "need Linux"
 
+needs_native = pytest.mark.skipif(not LIBRARY.is_file(), reason=NO_NATIVE)
 needs_dds = pytest.mark.skipif(not find_spec("cyclonedds"), reason=NO_DDS)
 needs_jax = pytest.mark.skipif(not all(map(find_spec, ("jax", "optax", "onnx"))), reason=NO_JAX)
 HAS_NANOPB = bool(shutil.which("gcc") and Path("/usr/include/pb_decode.h").exists() and find_spec("nanopb"))

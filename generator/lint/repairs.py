@@ -69,8 +69,8 @@ def _is_restored_in_history(context: Context, owner: str, number: int, today: Pa
     if past is None or not past.of_numbers:
         return False
     restored = False
-    for type in past.history.types:
-        for reuse in past.history.reuses_of(type.id) if type.name == owner else ():
+    for type in past.history.types_by_name.get(owner, ()):
+        for reuse in past.history.reuses_of(type.id):
             if reuse.number != number or reuse.kind is Kind.RENAMED or reuse.earlier is reuse.later:
                 continue
             if has_meaning(past.history, type, reuse.later, today) and not past.is_known(*began(reuse)):

@@ -145,6 +145,8 @@ def _print_row(said: dict[str, Any]) -> None:
     for target in said["forward"]:
         _line("forwarded", f"raw to {_peer(target)}")
     _line("size", _size(said["size"], peer))
+    for translation in said["translation"]:
+        _line("translated", _translation(translation))
     _line("published", "; ".join(said["published"]) or "never, according to mapping.lock")
     for usage in said["history"] or []:
         _line("history", usage)
@@ -162,6 +164,12 @@ def _print_row(said: dict[str, Any]) -> None:
     size = len(example["bytes"] or "") // 2
     print(f"\nexample: {example['missing'] or f'{size} bytes, as `roverlink simulate` sends it'}")
     _table([(f"{'  ' * line['depth']}{line['bytes']}", line["meaning"]) for line in example["lines"]])
+
+
+def _translation(translation: dict[str, Any]) -> str:
+    reason = translation["in_python"]
+    by = f"by Python, because {reason}" if reason else "by the native core"
+    return f"{by} ({translation['topic']})"
 
 
 def _line(head: str, text: str) -> None:

@@ -120,7 +120,7 @@ def run(arguments: argparse.Namespace) -> int:
         live.on_change(bridge.change)
         # The log and the clock leave first, because the bridge closes the middleware.
         with bridge, attached.monitor(bridge, clock), published_log:
-            stack.callback(_tell_account, bridge.account, logger, json_too=arguments.json)
+            stack.callback(lambda: _tell_account(bridge.account, logger, json_too=arguments.json))
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
     return OK

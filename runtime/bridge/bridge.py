@@ -6,6 +6,8 @@ Two threads do the work.
 - A thread of the middleware calls the bridge with the messages of topics. On this thread the messages are translated
   to datagrams, and the datagrams are sent.
 
+On both threads, the native core does this work for the rows that take the native way (`NativeWay`).
+
 A third thread, the `Timekeeper`, runs if the table has ``max_rate`` or ``deadman``. A fourth thread looks at the other
 nodes: whether the topics with ``deadman`` still have publishers, and whether the QoS of both ends of a topic match.
 """
@@ -21,24 +23,28 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any, Protocol
 
+from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends, LinkState
 from roverlink.runtime.bridge.extra_topics import ExtraTopics
 from roverlink.runtime.bridge.forwarding import Forwarding
+from roverlink.runtime.bridge.handling_times import Handle, HandlingTimes, Latencies
 from roverlink.runtime.bridge.link_exchange import EndReport, LinkExchange
+from roverlink.runtime.bridge.native_way import NativeWay
 from roverlink.runtime.bridge.network_watch import NetworkWatch
 from roverlink.runtime.bridge.qos_watch import QosWatch
 from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
-from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
+from roverlink.runtime.bridge.to_peer import OutboundRow, Send
 from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
 from roverlink.runtime.core.errors import DatagramError, FailedThreadError, Reason
-from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
+from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, EndName, Registry
 from roverlink.runtime.core.translator import Translation, Translator
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.keys.signed_links import SignedLinks
-from roverlink.runtime.middleware import Middleware, Publisher
+from roverlink.runtime.middleware import Middleware, Publisher, Subscription
+from roverlink.runtime.native.core import NoCoreError, open_core
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.destination import Destination
 from roverlink.runtime.net.hosts import Sender
@@ -49,9 +55,6 @@ from roverlink.runtime.text.host_names import LEARN
 
 NODE = "udp_forwarder"
 """Default node name of the bridge in the ROS 2 graph."""
-
-
-Handle = Callable[[udp.Batch], None]
 
 
 class Observer(Protocol):
@@ -106,9 +109,11 @@ class Bridge:
             parameters.listen_address, parameters.listen_port, parameters.receive_buffer, "parameter listen_port"
         )
         self._counters = Counters(self._socket, logger)
-        self.account = self._counters.account
+        self._account = self._counters.account
         if links is not None:
-            self.account.clocks_ahead = links.verifier.ahead
+            self._account.clocks_ahead = links.verifier.ahead
+        self._native: NativeWay | None = None
+        self._handling_times = HandlingTimes()
         self._sending = self._send if registry.link is None else self._send_counted
         self._ends = Ends(registry, parameters, self._counters, self._socket)
         self._sender: Sender | None = None  # of the datagrams that are handled now, if an address is to be learned
@@ -122,7 +127,7 @@ class Bridge:
         self._inbound_rows: dict[str, InboundRow] = {}
         self._outbound_rows: list[OutboundRow] = []
         self._paced: list[PacedInboundRow] = []
-        self._extra_topics = ExtraTopics(self.account, self._counters.warnings)
+        self._extra_topics = ExtraTopics(self._account, self._counters.warnings)
         self._forwarding = Forwarding(
             registry,
             self._ends,
@@ -133,6 +138,16 @@ class Bridge:
         )
         self._failure: FailedThreadError | None = None
         self._link = self._exchange(parameters.link_policy)
+
+    @property
+    def account(self) -> Account:
+        """Counters of the bridge at this moment."""
+        return self._account if self._native is None else self._native.added_to(self._account)
+
+    def latencies(self) -> Latencies:
+        """Return the histogram of the times from reading a batch until the batch was published and forwarded."""
+        measured = self._handling_times.latencies
+        return measured if self._native is None else measured + self._native.latencies()
 
     @property
     def port(self) -> int:
@@ -168,16 +183,22 @@ class Bridge:
             self._link.wake = self._timekeeper.wake
         for paced in self._paced:
             paced.wake = self._timekeeper.wake
-        watches = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
+        subscriptions = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
+        watches = [
+            row.connect(subscription, self._timekeeper.wake)
+            for row, subscription in zip(self._outbound_rows, subscriptions)
+        ]
         routes = {self._topic(handler.route.topic): handler.route for handler in handlers}
-        qos_watch = QosWatch(routes, self._middleware.endpoints, self.account, self._counters.warnings)
-        network_watch = NetworkWatch(self._middleware.address_changes, self.account, self._counters.warnings)
+        qos_watch = QosWatch(routes, self._middleware.endpoints, self._account, self._counters.warnings)
+        network_watch = NetworkWatch(self._middleware.address_changes, self._account, self._counters.warnings)
         self._watch = Timekeeper("graph-watch", [*filter(None, watches), qos_watch, network_watch], self._fail)
         self._warn_of_small_buffer()
+        self._native = self._native_way([*zip(outbound, self._outbound_rows, subscriptions)])
         self._ends.start()
         self._timekeeper.__enter__()
         self._watch.__enter__()
         # The receiver starts last: when the first datagram comes in, every topic is open and every timer runs.
+        self._choose_way()
         self._receiver.__enter__()
         return self
 
@@ -192,6 +213,8 @@ class Bridge:
             steps.callback(self._counters.read_kernel_drops)
             for row in reversed(self._outbound_rows):
                 steps.callback(row.end)
+            if self._native is not None:
+                steps.callback(self._native.end)
             steps.callback(self._middleware.close)
             for paced in reversed(self._paced):
                 steps.callback(paced.end)
@@ -225,6 +248,9 @@ class Bridge:
             self._link.follow(parameters.link_policy)
         if _reading(parameters) != _reading(before):
             self._receiver.pass_to(*self._receiving(parameters))
+        if self._native is not None:
+            self._native.follow(parameters.forward_policy)
+        self._choose_way()
         if parameters.receive_buffer != before.receive_buffer:
             udp.size_receive_buffer(self._socket, parameters.receive_buffer)
             self._warn_of_small_buffer()
@@ -244,7 +270,7 @@ class Bridge:
             for end, destination in self._ends.destinations.items()
         }
         return LinkExchange(
-            self._registry, link.hashes, sends, self._refuse_rows, policy, self.account, self._counters.warnings
+            self._registry, link.hashes, sends, self._refuse_rows, policy, self._account, self._counters.warnings
         )
 
     def _refuse_rows(self, rows: frozenset[str], forwards: Mapping[EndName, frozenset[str]]) -> None:
@@ -254,6 +280,67 @@ class Bridge:
         for row in self._outbound_rows:
             row.refused = row.name in rows
         self._forwarding.refuse(forwards)
+        if self._native is not None:
+            self._native.refuse(rows, forwards)
+
+    # --- the native way ---
+
+    def _native_way(self, outbound: Sequence[tuple[AnyHandler, OutboundRow, Subscription]]) -> NativeWay | None:
+        """Return the way through the native core; None if there is no core, or if Python has to see all datagrams."""
+        if reason := self._why_python():
+            self._logger.info("Python handles all messages: %s", reason)
+            return None
+        try:
+            way = NativeWay(
+                self._registry,
+                open_core(self._registry),
+                lambda row: self._inbound_rows[row].publisher,
+                self._extra_topics.publishers,
+                outbound,
+                self._ends.destinations,
+                self._signed_peers.must_sign,
+            )
+        except NoCoreError as error:
+            self._logger.info("Python handles all messages: %s", error)
+            return None
+        sock, wake = self._receiver.sockets
+        way.loop.open(
+            sock,
+            wake,
+            self._parameters.max_datagram + 1,
+            self._handle_observed,
+            self._not_accepted,
+            lambda destination, datagrams: self._forwarding.hand_on(datagrams, destination),
+        )
+        way.follow(self._parameters.forward_policy)
+        if self._link is not None:
+            self._link.native = way
+        return way
+
+    def _why_python(self) -> str:
+        """Return the reason why no message may take the native way; empty if there is none."""
+        if not self._parameters.native_core:
+            return "the parameter native_core is false"
+        if self._clock is not SYSTEM_CLOCK:
+            return "the stamps are those of a simulated clock"
+        return "a recorder has to see all datagrams" if self._observers else ""
+
+    def _choose_way(self) -> None:
+        """Let the native core read the socket, unless a parameter says that Python has to see all datagrams."""
+        policy, learns = _reading(self._parameters)
+        restricts = policy == "mapping" and restricts_sources(self._registry.peers)
+        if self._native is None:
+            return
+        reason = "its sender is checked" if restricts else "an address is learned" if learns else ""
+        self._receiver.use(None if reason else self._native.loop)
+        self._logger.info("%s", self._native.summary(reason))
+
+    def _not_accepted(self, handler: AnyHandler | AnyStandardHandler) -> None:
+        """Count a message of the native core that the middleware has not accepted."""
+        if handler in self._extra_topics.publishers:
+            self._extra_topics.not_accepted(handler, 1)
+        else:
+            self._inbound_rows[handler.route.name].not_accepted()
 
     # --- peers to topics ---
 
@@ -272,6 +359,7 @@ class Bridge:
 
     def _observed(self, handle: Handle) -> Handle:
         """Let all observers wrap a function that handles batches, and return the wrapped function."""
+        handle = self._handling_times.timed(handle)
         for observer in self._observers:
             handle = observer.receiving(handle)
         return handle
@@ -338,8 +426,8 @@ class Bridge:
         route = handler.route
         publisher = self._publisher(handler)
         if route.max_rate is None:
-            return InboundRow(route, publisher, self.account, self._counters.count_dropped)
-        row = PacedInboundRow(route, publisher, self.account, self._counters.count_dropped, route.max_rate)
+            return InboundRow(route, publisher, self._account, self._counters.count_dropped)
+        row = PacedInboundRow(route, publisher, self._account, self._counters.count_dropped, route.max_rate)
         self._paced.append(row)
         return row
 
@@ -365,9 +453,9 @@ class Bridge:
         send = self._signed_peers.sending(route.peer, route.board, partial(self._sending, destination=destination))
         for observer in self._observers:
             send = observer.sending(route.peer, send)
-        return OutboundRow(handler, self._translator, send, self.account, self._counters.warnings)
+        return OutboundRow(handler, self._translator, send, self._account, self._counters.warnings)
 
-    def _subscribe(self, handler: AnyHandler, row: OutboundRow) -> PublisherWatch | None:
+    def _subscribe(self, handler: AnyHandler, row: OutboundRow) -> Subscription:
         route = handler.route
 
         def take(messages: Sequence[bytes]) -> None:
@@ -378,10 +466,9 @@ class Bridge:
                 self._fail(failure)
                 raise
 
-        subscription = self._middleware.subscribe(
+        return self._middleware.subscribe(
             self._topic(route.topic), handler.message_type, route.qos, take, route.priority
         )
-        return row.connect(subscription, self._timekeeper.wake)
 
     def _fail(self, failure: BaseException) -> None:
         """Stop the bridge because the calling thread failed; `run` raises the error."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Callable
 
 
 class Watchdog:
@@ -25,12 +26,17 @@ class Watchdog:
         self._after_s, self._repeat_s = after_s, repeat_s
         self._due = now + after_s
         self._silent = True
+        self._passed = -math.inf
         self._lock = threading.Lock()
+        self.last_sent: Callable[[], float] = lambda: -math.inf
+        """Function that returns when the native core last sent a message of the topic to the peer."""
 
     @property
     def silent(self) -> bool:
         """True if no message of the topic has been sent to the peer since the last stop, or since the start."""
-        return self._silent
+        with self._lock:
+            self._note_last_sent()
+            return self._silent
 
     @property
     def next_due(self) -> float:
@@ -42,12 +48,18 @@ class Watchdog:
         with self._lock:
             self._silent, self._due = False, now + self._after_s
 
+    def _note_last_sent(self) -> None:
+        """Record what the native core has sent since the last call. The caller holds the lock."""
+        if (sent := self.last_sent()) > self._passed:
+            self._passed, self._silent, self._due = sent, False, sent + self._after_s
+
     def lost_publisher(self) -> None:
         """Make the stop due now, because the topic's last publisher has left.
 
         Nothing changes while the topic is silent, because the stop is then being repeated anyway.
         """
         with self._lock:
+            self._note_last_sent()
             # While the topic is silent, the stop has been sent already and is repeated anyway.
             if not self._silent:
                 self._due = -math.inf
@@ -55,6 +67,7 @@ class Watchdog:
     def is_due(self, now: float) -> bool:
         """Return true if the caller must send the stop now; the watchdog then counts the stop as sent."""
         with self._lock:
+            self._note_last_sent()
             if now < self._due:
                 return False
             self._silent, self._due = True, now + self._repeat_s

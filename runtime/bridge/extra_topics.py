@@ -23,11 +23,12 @@ class ExtraTopics:
 
     def __init__(self, account: Account, warnings: ThrottledWarnings) -> None:
         self._account, self._warnings = account, warnings
-        self._publishers: dict[AnyStandardHandler, Publisher] = {}
+        self.publishers: dict[AnyStandardHandler, Publisher] = {}
+        """Publisher of each extra topic, by its handler."""
 
     def open(self, handler: AnyStandardHandler, publisher: Publisher) -> None:
         """Store the publisher of an extra topic; ``handler`` converts payloads for this topic."""
-        self._publishers[handler] = publisher
+        self.publishers[handler] = publisher
 
     def publish(self, batch: Iterable[tuple[AnyStandardHandler, Sequence[ProtoMessage]]], stamp: Time) -> None:
         """Convert and publish the payloads of a batch, with one call of the publisher for each topic.
@@ -37,7 +38,7 @@ class ExtraTopics:
         transient_local.
         """
         for handler, payloads in batch:
-            publisher = self._publishers[handler]
+            publisher = self.publishers[handler]
             # Most robots use few extra topics. An unused one must not cost each datagram a conversion.
             if publisher.has_subscribers() or handler.route.qos.durability == "transient_local":
                 self._publish(handler, publisher, payloads, stamp)
@@ -52,8 +53,13 @@ class ExtraTopics:
         accepted = publisher.publish(messages) if messages else 0
         self._account.extra_published[handler.route.topic] += accepted
         if accepted < len(messages):
-            self._missed(handler, len(messages) - accepted, f"{handler.route.topic}: {NOT_ACCEPTED}")
+            self.not_accepted(handler, len(messages) - accepted)
+
+    def not_accepted(self, handler: AnyStandardHandler, count: int) -> None:
+        """Count messages of an extra topic that the middleware has not accepted, and log a warning."""
+        self._missed(handler, count, f"{handler.route.topic}: {NOT_ACCEPTED}")
 
     def _missed(self, handler: AnyStandardHandler, count: int, why: str) -> None:
+        """Count messages of an extra topic that were not published, and log a warning with the reason."""
         self._account.extra_unpublished[handler.route.topic] += count
         self._warnings.warn(f"unpublished {handler.route.topic}", f"not published: {why}")

@@ -86,7 +86,11 @@ class Forwarding:
             own = [datagram for datagram, name in zip(datagrams, names) if name in rows]
             limit = self._limits.get(peer)
             fitting = own if limit is None else self._fitting(own, limit, peer)
-            self._hand_on(fitting, destination, self._send)
+            self.hand_on(fitting, destination)
+
+    def hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:
+        """Send datagrams that the end may get to its destination, signed if it wants them so, and count them."""
+        self._hand_on(datagrams, destination, self._send)
 
     def _fitting(self, datagrams: Sequence[bytes], limit: int, peer: str) -> list[bytes]:
         """Return the datagrams with at most ``limit`` bytes, and count the others."""

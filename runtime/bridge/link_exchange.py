@@ -23,6 +23,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
+from roverlink.runtime.bridge.native_way import NativeWay
 from roverlink.runtime.core import link_message
 from roverlink.runtime.core.envelope import strip_trailing_zeros
 from roverlink.runtime.core.errors import NOT_PROVEN
@@ -149,6 +150,9 @@ class LinkExchange:
         self._account = account
         self._lock = threading.Lock()
         self.wake: Callable[[], None] = lambda: None
+        self.native: NativeWay | None = None
+        """Native way of the bridge, which counts datagrams itself."""
+        self._native_sent: Counter[EndName] = Counter()
 
     # --- sending ---
 
@@ -156,12 +160,20 @@ class LinkExchange:
         """Count datagrams to an end that are not link messages."""
         self._writers[end].count_sent(datagrams)
 
+    def _count_natively_sent(self) -> None:
+        """Count the datagrams that the native core has sent since the last call. The caller holds the lock."""
+        if self.native is not None:
+            before, self._native_sent = self._native_sent, self.native.sent()
+            for end, sent in self._native_sent.items():
+                self._writers[end].count_sent(sent - before[end])
+
     def run_due(self, now: float) -> None:
         """Send the link messages whose time has come."""
         for end, send in self._sends.items():
             if now < self._due[end]:
                 continue
             with self._lock:
+                self._count_natively_sent()
                 turns = 1
                 if end in self._asked:
                     self._asked.discard(end)
@@ -210,6 +222,7 @@ class LinkExchange:
         """Take a link message of a principal. Return the end that has sent it, or None if that is unknown."""
         now, arrived_us = time.monotonic(), self._now_us()
         with self._lock:
+            self._count_natively_sent()
             sender = self._senders.get((principal, message.session))
             told = {number: hash for number, hash in message.hashes.items() if number in self._hashes}
             hashes = {**(sender.hashes if sender else {}), **told}
@@ -250,7 +263,8 @@ class LinkExchange:
         return next(writer for writer in self._writers if writer.peer == end.peer)
 
     def _received_from(self, end: EndName) -> int:
-        return sum(self._received[row] for row in self._own[end]) + self._received_links[end]
+        native = self.native.handled(self._own[end]) if self.native is not None else 0
+        return sum(self._received[row] for row in self._own[end]) + self._received_links[end] + native
 
     def _retire(self, end: EndName, now: float) -> None:
         """Forget the silent senders of an end at which another sender speaks, and those that are too many."""

@@ -39,7 +39,8 @@ class SignedPeers:
     def __init__(self, registry: Registry, links: SignedLinks | None) -> None:
         """Raise `SetupError` if a key is missing."""
         self._registry, self._links = registry, links
-        self._must_sign = {peer.name for peer in registry.peers if peer.must_sign}
+        self.must_sign = {peer.name for peer in registry.peers if peer.must_sign}
+        """Names of the peers that must sign."""
         for missing in self._missing_keys():
             raise SetupError(missing)
 
@@ -48,7 +49,7 @@ class SignedPeers:
 
         If no peer must sign, its work is that of a plain `Translator`.
         """
-        if self._links is None or not self._must_sign:
+        if self._links is None or not self.must_sign:
             return Translator(self._registry, peers)
         return VerifyingTranslator(self._registry, self._links.verifier, peers)
 
@@ -73,7 +74,7 @@ class SignedPeers:
         return forward if senders else send
 
     def _sender(self, peer: str, board: str) -> _SignedSender | None:
-        if self._links is None or peer not in self._must_sign:
+        if self._links is None or peer not in self.must_sign:
             return None
         signer = self._links.signer((board, peer))
         strips_zeros = self._registry.peers_by_name[peer].strip_trailing_zeros
@@ -84,7 +85,7 @@ class SignedPeers:
         for handler in (*self._registry.handlers, *self._registry.extra_topics):
             route = handler.route
             ends = tuple(filter(None, (route.board, route.peer)))
-            if route.peer in self._must_sign:
+            if route.peer in self.must_sign:
                 has_key = self._links and (self._links.hears(ends) if route.inbound else self._links.signer(ends))
                 if not has_key:
                     yield _without_key(" or ".join(map(repr, ends)), ends[-1])
@@ -93,7 +94,7 @@ class SignedPeers:
             peer for handler in self._registry.handlers if handler.route.inbound for peer in handler.route.forward
         }
         for peer, board in self._registry.ends:
-            gets_these = peer in self._must_sign and (self._registry.link is not None or peer in forwarded)
+            gets_these = peer in self.must_sign and (self._registry.link is not None or peer in forwarded)
             if gets_these and not (self._links and self._links.signer((board, peer))):
                 yield _without_key(repr(board or peer), board or peer)
 

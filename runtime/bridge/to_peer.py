@@ -139,6 +139,22 @@ class OutboundRow:
             except ConversionError as error:
                 self._account.refused[self.name] += 1
                 self._warnings.warn(self.name, f"not sent: {error}")
+        self._send_and_count(datagrams)
+
+    def send_again(self, datagram: bytes) -> None:
+        """Send a datagram that the native core has made but could not send, and count it."""
+        with self._lock:
+            if self._ended:
+                self._account.superseded[self.name] += 1
+            else:
+                self._send_and_count([datagram])
+
+    def follow(self, last_sent: Callable[[], float]) -> None:
+        """Let the watchdog, if the row has one, ask when the native core last sent a datagram of the row."""
+        if self._watchdog is not None:
+            self._watchdog.last_sent = last_sent
+
+    def _send_and_count(self, datagrams: Sequence[bytes]) -> None:
         sent = self._send(datagrams)
         # The watchdog is about commands that leave the bridge, so a message that could not be sent does not count.
         if sent:

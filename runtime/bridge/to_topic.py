@@ -21,14 +21,20 @@ class InboundRow:
 
     def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop) -> None:
         self._route, self._publish, self._account, self._drop = route, publisher.publish, account, drop
+        self.publisher = publisher
+        """Publisher of the row's own topic."""
 
     def take(self, messages: Sequence[bytes]) -> None:
         """Publish messages in order. The messages that the middleware does not accept count as dropped."""
         accepted = self._publish(messages)
         self._account.published[self._route.name] += accepted
         for _ in messages[accepted:]:
-            what = f"{self._route.name} ({self._route.number})"
-            self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{what}: {NOT_ACCEPTED}", self._route.name))
+            self.not_accepted()
+
+    def not_accepted(self) -> None:
+        """Count a message that the middleware has not accepted as dropped."""
+        what = f"{self._route.name} ({self._route.number})"
+        self._drop(DatagramError(Reason.NOT_PUBLISHED, f"{what}: {NOT_ACCEPTED}", self._route.name))
 
 
 class PacedInboundRow(InboundRow):

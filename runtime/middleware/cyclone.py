@@ -26,6 +26,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.util import duration
 
 from roverlink.runtime.core.errors import MiddlewareError
+from roverlink.runtime.native.bridge_layout import MiddlewareFunctions, Reading, Topic
 
 _library: Any = DDS._dll_handle
 _flush = _library.dds_write_flush
@@ -68,10 +69,18 @@ class MatchedReaders(Listener):
     def __init__(self) -> None:
         super().__init__()  # type: ignore[no-untyped-call]  # its base declares no types
         self.exist = False
+        self._topic: Topic | None = None
+
+    def tell(self, topic: Topic) -> None:
+        """Set ``wanted`` of the native core's topic now, and whenever a first reader comes or the last one goes."""
+        self._topic = topic
+        topic.wanted = self.exist
 
     def on_publication_matched(self, _: object, status: Any) -> None:
         """Store whether a reader matches. Cyclone DDS calls this for each reader that it finds or loses."""
         self.exist = status.current_count > 0
+        if self._topic is not None:
+            self._topic.wanted = self.exist
 
 
 class RawWriter:
@@ -98,6 +107,16 @@ class RawWriter:
         _flush(self._reference)
         return accepted
 
+    def lend_to(self, topic: Topic, functions: MiddlewareFunctions) -> None:
+        """Let the native core write through this writer. Raises AttributeError if the library lacks a function."""
+        sertype = ctypes.c_void_p()
+        if _library.dds_get_entity_sertype(self._reference, ctypes.byref(sertype)) < 0:
+            raise AttributeError("a writer of Cyclone DDS without a type")
+        topic.writer, topic.sertype = self._reference, sertype
+        functions.serdata = ctypes.cast(_library.ddsi_serdata_from_ser_iov, ctypes.c_void_p)
+        functions.write = ctypes.cast(_library.dds_writecdr, ctypes.c_void_p)
+        functions.flush = ctypes.cast(_flush, ctypes.c_void_p)
+
     def wait_for_acknowledgement(self, seconds: float) -> bool:
         """Wait until every reliable reader has acknowledged all samples.
 
@@ -122,9 +141,36 @@ class RawReader:
         # A sample without valid data says that an instance was disposed; ROS topics have no instances.
         return [data for data, info in taken if info.valid_data]
 
+    @property
+    def reference(self) -> int:
+        """Entity of the reader in Cyclone DDS."""
+        return int(self._reference)
+
     def has_publishers(self) -> bool:
         """Return true if DDS has found a writer that matches this reader."""
         return bool(self._reader.get_matched_publications())
+
+
+class NativeWaitSet:
+    """Wait set for the native core. A context manager, which deletes the wait set on exit."""
+
+    def __init__(self, participant: Entity, conditions: Sequence[Entity], wake: Entity) -> None:
+        """Trigger with the index of a condition, and with -1 for ``wake``."""
+        self.reference = int(_library.dds_create_waitset(participant._ref))
+        for index, condition in (*enumerate(conditions), (-1, wake)):
+            _library.dds_waitset_attach(self.reference, condition._ref, index)
+
+    def __enter__(self) -> NativeWaitSet:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        _delete(self.reference)
+
+
+def reading_functions() -> Reading:
+    """Return the functions by which the native core takes samples. Raises AttributeError if the library lacks one."""
+    names = ("dds_waitset_wait", "dds_takecdr", "ddsi_serdata_size", "ddsi_serdata_to_ser", "ddsi_serdata_unref")
+    return Reading(*(ctypes.cast(getattr(_library, name), ctypes.c_void_p).value for name in names))
 
 
 def delete(entity: Entity) -> None:

@@ -12,7 +12,7 @@ import logging
 import os
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, cached_property
 from typing import Any
 
@@ -34,10 +34,12 @@ from roverlink.runtime.interfaces.rcl_interfaces import Parameter, ParameterEven
 from roverlink.runtime.middleware.cyclone import (
     EVERYTHING,
     MatchedReaders,
+    NativeWaitSet,
     RawReader,
     RawWriter,
     delete,
     delete_at_exit,
+    reading_functions,
 )
 from roverlink.runtime.middleware.dds_graph import DdsGraph
 from roverlink.runtime.middleware.dds_services import DdsServices
@@ -48,6 +50,9 @@ from roverlink.runtime.middleware.parameter_services import ParameterServices
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
 from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.middleware.serving import ServedTopic, has_ended, serve
+from roverlink.runtime.native import bridge_layout as native
+from roverlink.runtime.native.core import NativeCore
+from roverlink.runtime.native.topic_loop import LentTopic, TopicLoop
 
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
@@ -88,6 +93,12 @@ class DdsPublisher:
             return self._writer.write(messages)
         return len(messages)
 
+    def lend_to(self, topic: native.Topic, functions: native.MiddlewareFunctions) -> None:
+        """Let the native core publish through this publisher (see `NativePublisher`)."""
+        self._writer.lend_to(topic, functions)
+        if not self._writes_always:
+            self._readers.tell(topic)
+
     def leave(self, seconds: float) -> None:
         """Wait until every subscriber has acknowledged all messages, at most ``seconds``.
 
@@ -104,8 +115,11 @@ class DdsPublisher:
 class DdsSubscription:
     """DDS reader for serialized messages."""
 
-    def __init__(self, reader: RawReader, close: Callable[[], None]) -> None:
+    def __init__(
+        self, reader: RawReader, lend: Callable[[NativeCore, LentTopic], None], close: Callable[[], None]
+    ) -> None:
         self.has_publishers = reader.has_publishers
+        self.lend_to = lend
         self.close = close
 
 
@@ -131,7 +145,10 @@ class DdsMiddleware(Middleware):
         self._publishers: list[DdsPublisher] = []
         self._topics: tuple[ServedTopic, ...] = ()
         self._serving = threading.RLock()  # held while readers are taken from, so that none is deleted meanwhile
-        self._conditions: list[ReadCondition] = []
+        self._changing = threading.RLock()  # held while the topics change; before `_serving`
+        self._conditions: dict[int, ReadCondition] = {}
+        self._native: TopicLoop | None = None
+        self._changed = GuardCondition(self._participant)
         self._services: DdsServices | None = None
         self._parameters: NodeParameters | ParameterServices | None = parameters
         # A Fast DDS client would see the services, but wait forever for a response (module `dds_services`).
@@ -167,22 +184,32 @@ class DdsMiddleware(Middleware):
         reader = DataReader(self._participant, self._topic(topic, message_type), qos=policies)
         condition = ReadCondition(reader, EVERYTHING)
         raw_reader = RawReader(reader)
-        read = ServedTopic(raw_reader, callback, priority)
-        self._topics = tuple(sorted((*self._topics, read), key=lambda topic: topic.priority, reverse=True))
         # The package deletes an entity in DDS when Python collects it (see `cyclone`), so everything is kept here.
-        self._conditions.append(condition)
+        self._conditions[id(raw_reader)] = condition
         self._waitset.attach(condition)
+        with self._changing:
+            self._set_topics((*self._topics, ServedTopic(raw_reader, callback, priority)))
         self._announcer.add_reader(reader)
 
-        def close() -> None:
-            with self._serving:
-                self._topics = tuple(topic for topic in self._topics if topic is not read)
-                self._announcer.remove_reader(reader)
-                self._waitset.detach(condition)
-                self._conditions.remove(condition)
-                delete(reader)
+        def others() -> list[ServedTopic]:
+            return [topic for topic in self._topics if topic.reader is not raw_reader]
 
-        return DdsSubscription(raw_reader, close)
+        def lend(core: NativeCore, lent: LentTopic) -> None:
+            with self._changing:
+                self._native = self._native or TopicLoop(core, reading_functions())
+                lent.struct.reader = raw_reader.reference
+                self._set_topics((*others(), ServedTopic(raw_reader, callback, priority, lent)))
+
+        def close() -> None:
+            with self._changing:
+                self._set_topics(others())
+                with self._serving:
+                    self._announcer.remove_reader(reader)
+                    self._waitset.detach(condition)
+                    del self._conditions[id(raw_reader)]
+                    delete(reader)
+
+        return DdsSubscription(raw_reader, lend, close)
 
     def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
         """Return the publishers or the subscriptions of a fully qualified topic that DDS has found so far."""
@@ -206,8 +233,9 @@ class DdsMiddleware(Middleware):
         if not self._open:
             return
         self._open = False
-        # The guard condition wakes the taking thread, which else waits without a limit.
+        # The guard conditions wake the taking thread, which else waits without a limit.
         self._stopped.set(True)
+        self._wake_native()
         if not has_ended(self._thread):
             return
         if self._services is not None:
@@ -238,12 +266,40 @@ class DdsMiddleware(Middleware):
         # Service name mapping to DDS"). `topic` begins with a slash.
         return Topic(self._participant, f"rt{topic}", dds_type(message_type))
 
+    def _set_topics(self, topics: Iterable[ServedTopic]) -> None:
+        self._topics = tuple(sorted(topics, key=lambda topic: topic.priority, reverse=True))
+        self._wake_native()
+
+    def _wake_native(self) -> None:
+        """Make the native core, if it takes the messages, return to the thread."""
+        if self._native is not None:
+            self._native.stop()
+        self._changed.set(True)
+
     def _take_until_stopped(self) -> None:
         # A guard condition stays triggered until it is taken, so a stop before the wait ends it, too.
         while not self._stopped.read():
+            if self._native is not None:
+                self._serve_natively(self._native)
+                continue
             self._waitset.wait(duration(infinite=True))
             with self._serving:
                 serve(self._topics, self._topics)
+
+    def _serve_natively(self, server: TopicLoop) -> None:
+        """Let the native core serve the topics until they change, or until the thread has to end."""
+        with self._changing:
+            self._changed.set(False)
+            topics = self._topics
+            conditions = [self._conditions[id(topic.reader)] for topic in topics]
+            server.prepare(topics)
+            self._serving.acquire()
+        try:
+            if not self._stopped.read():
+                with NativeWaitSet(self._participant, conditions, self._changed) as waitset:
+                    server.run(waitset.reference)
+        finally:
+            self._serving.release()
 
 
 def _configure(domain_id: int) -> None:

@@ -7,7 +7,9 @@ message only through the class that rosidl generated for the message.
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import logging
+import os
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -32,6 +34,7 @@ from roverlink.runtime.middleware.joined_addresses import JoinedAddresses
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
 from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.middleware.serving import has_ended
+from roverlink.runtime.native import bridge_layout as native
 
 if TYPE_CHECKING:
     from roverlink.runtime.middleware.rclpy_actions import RclpyAction
@@ -52,7 +55,7 @@ class RclpyPublisher:
     """rclpy publisher for serialized messages."""
 
     def __init__(self, handle: Any) -> None:
-        self._publish, self._count = handle.publish_raw, handle.get_subscription_count
+        self._handle, self._publish, self._count = handle, handle.publish_raw, handle.get_subscription_count
         self._paused_until = 0.0
 
     def publish(self, messages: Sequence[bytes], /) -> int:
@@ -69,6 +72,13 @@ class RclpyPublisher:
             now = time.monotonic()
             self._paused_until = now + _PAUSE * (now - began)
         return accepted
+
+    def lend_to(self, topic: native.Topic, functions: native.MiddlewareFunctions) -> None:
+        """Let the native core publish through this publisher (see `NativePublisher`)."""
+        library = ctypes.CDLL("librcl.so", mode=os.RTLD_NOLOAD)  # rclpy has loaded it
+        topic.publisher = self._handle.pointer
+        functions.publish = ctypes.cast(library.rcl_publish_serialized_message, ctypes.c_void_p)
+        functions.count_subscriptions = ctypes.cast(library.rcl_publisher_get_subscription_count, ctypes.c_void_p)
 
     def has_subscribers(self) -> bool:
         """Return true if rclpy knows a subscription that matches this publisher."""

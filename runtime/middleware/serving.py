@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Protocol
 
 from roverlink.runtime.middleware.protocol import Callback
+from roverlink.runtime.native.topic_loop import LentTopic
 
 # All messages of a take go to one callback. Large enough to keep up with a burst, small enough that other topics get
 # their turn.
@@ -29,6 +30,8 @@ class ServedTopic(NamedTuple):
     reader: Reader
     callback: Callback
     priority: int
+    lent: LentTopic | None = None
+    """Set if the native core takes the messages; it hands some to ``callback``."""
 
     def serve(self, most: int) -> None:
         """Take at most ``most`` received messages, oldest first, and call the callback with them."""

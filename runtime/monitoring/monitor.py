@@ -15,11 +15,11 @@ from typing import NamedTuple, Protocol
 
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkState
+from roverlink.runtime.bridge.handling_times import Latencies
 from roverlink.runtime.bridge.link_exchange import EndReport
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.periodic_thread import PeriodicThread
 from roverlink.runtime.core.registry import EndName, Registry
-from roverlink.runtime.monitoring.histogram import LatencyProbe
 from roverlink.runtime.monitoring.liveness import Liveness, liveness_of
 from roverlink.runtime.monitoring.state import EndState, Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
@@ -39,7 +39,12 @@ _SILENT_PERIODS = 3.0  # periods of the expected rate after which a row is stale
 class Watched(Protocol):
     """Parts of a bridge that the monitor reads."""
 
-    account: Account
+    @property
+    def account(self) -> Account:
+        """Counters of the bridge."""
+
+    def latencies(self) -> Latencies:
+        """Return the histogram of the times that the bridge needed for its batches of datagrams."""
 
     def socket_state(self) -> SocketState:
         """Return the fill level of the socket's receive buffer, and how many datagrams the kernel has dropped."""
@@ -76,12 +81,11 @@ class Monitor:
         node: str,
         registry: Registry,
         bridge: Watched,
-        probe: LatencyProbe,
         recording: Callable[[], Recording | None] = lambda: None,
         clock: Callable[[], float] = time.monotonic,
         logger: logging.Logger | None = None,
     ) -> None:
-        self._node, self._registry, self._bridge, self._probe = node, registry, bridge, probe
+        self._node, self._registry, self._bridge = node, registry, bridge
         self._recording, self._clock = recording, clock
         self._samples: deque[_Sample] = deque()
         self._last: dict[str, float] = {}  # time when each row's counter was last seen to change
@@ -166,7 +170,7 @@ class Monitor:
             socket_size=socket.size,
             level=level,
             message=message,
-            latencies=self._probe.latencies,
+            latencies=self._bridge.latencies(),
             recording=recording,
             links=tuple(self._bridge.link_reports()),
         )

@@ -13,8 +13,8 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Histo
 from prometheus_client.registry import Collector
 from prometheus_client.utils import floatToGoString
 
+from roverlink.runtime.bridge.handling_times import BOUNDS_S, Latencies
 from roverlink.runtime.bridge.link_exchange import UNKNOWN
-from roverlink.runtime.monitoring.histogram import BOUNDS_S, Latencies
 from roverlink.runtime.monitoring.state import State
 from roverlink.runtime.net.http_server import HttpServer
 from roverlink.runtime.net.page_requests import Answer, is_this_computer, not_found, refusal

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+from roverlink.runtime.bridge.handling_times import Latencies
 from roverlink.runtime.bridge.link_exchange import EndReport
 from roverlink.runtime.core.registry import EndName
-from roverlink.runtime.monitoring.histogram import Latencies
 from roverlink.runtime.monitoring.liveness import Liveness
 
 

@@ -7,12 +7,14 @@ a datagram sent alone 4.7 us.
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import socket
 import struct
 import sys
 import threading
 from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import groupby
 from typing import NamedTuple
 
@@ -26,6 +28,7 @@ _ROUTE_LOST = frozenset({errno.ENETUNREACH, errno.EHOSTUNREACH, errno.EADDRNOTAV
 """Errors of a connected socket after its address or network has disappeared."""
 _LINK_LOST = _ROUTE_LOST | {errno.ENETDOWN, errno.ENODEV}
 
+_NONE = -1  # no file descriptor
 _NOWHERE = OSError(errno.EDESTADDRREQ, "its address is not known yet")
 
 
@@ -63,6 +66,11 @@ class Destination:
         ``report`` is called when an address becomes unreachable, and when it is reachable again.
         """
         self.end = end
+        self.connected_socket = ctypes.c_int32(_NONE)
+        """File descriptor of the socket that is connected to the only address; -1 if only `send_all` can send.
+
+        The native core reads it before each datagram.
+        """
         self._report = report
         self._lock = threading.Lock()
         self._ways: list[_Way] = []
@@ -72,12 +80,17 @@ class Destination:
     def direct_to(self, *targets: Target) -> None:
         """Send all further datagrams to ``targets``: each datagram to all of them. Without targets, send nothing."""
         with self._lock:
-            self._ways += [_Way(self._report) for _ in range(len(targets) - len(self._ways))]
+            self._ways += [_Way(self._report, self._note_route) for _ in range(len(targets) - len(self._ways))]
             for way, target in zip(self._ways, targets):
                 way.direct_to(target)
             # One assignment, which is safe while other threads send. Ways that are not used any more stay open: another
             # thread may be sending through them.
             self._used = tuple(self._ways[: len(targets)])
+            self._note_route()
+
+    def _note_route(self) -> None:
+        routes = [way.connected_socket for way in self._used]
+        self.connected_socket.value = routes[0] if len(routes) == 1 else _NONE
 
     @property
     def addresses(self) -> tuple[SocketAddress, ...]:
@@ -111,13 +124,19 @@ class Destination:
 class _Way:
     """Sockets that send datagrams to one address."""
 
-    def __init__(self, report: Report) -> None:
-        self._report = report
+    def __init__(self, report: Report, note_route: Callable[[], None]) -> None:
+        """``note_route`` is called when `connected_socket` has changed."""
+        self._report, self._note_route = report, note_route
         self._pairs: dict[int, tuple[socket.socket, socket.socket]] = {}
         self._lock = threading.Lock()
-        self._can_segment = False
         self.target: Target = Target(("", 0))
         self.is_lost = False
+
+    @property
+    def connected_socket(self) -> int:
+        """File descriptor of the connected socket; -1 if it is not in use, or if the address was not reachable."""
+        sock, address = self._route
+        return _NONE if self.is_lost or address is not None else sock.fileno()
 
     def direct_to(self, target: Target) -> None:
         """Send all further datagrams to ``target``."""
@@ -130,7 +149,6 @@ class _Way:
             for sock in pair:
                 mark(sock, TrafficClass.COMMANDS)
             self._pairs[family] = pair
-            self._can_segment = _can_segment(pair[0])
         connected, unconnected = self._pairs[family]
         if is_multicast(address):
             for sock in (connected, unconnected):
@@ -174,6 +192,7 @@ class _Way:
             self.is_lost = lost is not None or (before and len(refusals) == count)
             changed = self.is_lost != before
         if changed:
+            self._note_route()
             self._report(text_of(self.target.address), str(lost.strerror) if lost else "")
 
     def _try_send(self, datagram: bytes, refusals: list[OSError]) -> None:
@@ -188,6 +207,7 @@ class _Way:
                 # For the unconnected socket, the kernel looks up the route again for each datagram. So sending also
                 # works after the network has changed, or if the network comes up late.
                 self._route = self._pairs[family_of(self.target.address)][1], self.target.address
+                self._note_route()
             refusals.append(error)
 
     def _send_as_one(self, same_size: list[bytes], size: int) -> bool:
@@ -196,7 +216,7 @@ class _Way:
         Return false if this failed; then none of them was sent.
         """
         # A segment size of 0 would mean "no segmentation", and empty datagrams would become one.
-        if not self._can_segment or size == 0:
+        if not can_segment() or size == 0:
             return False
         try:
             sock, address = self._route
@@ -226,12 +246,14 @@ def _set_up_multicast(sock: socket.socket, target: Target) -> None:
         sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
 
 
-def _can_segment(sock: socket.socket) -> bool:
+@cache
+def can_segment() -> bool:
     """Return true if the kernel supports UDP_SEGMENT. An older kernel ignores it and would send one large datagram."""
     if sys.platform != "linux":
         return False
-    try:
-        sock.getsockopt(socket.IPPROTO_UDP, _UDP_SEGMENT)
-    except OSError:
-        return False
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        try:
+            sock.getsockopt(socket.IPPROTO_UDP, _UDP_SEGMENT)
+        except OSError:
+            return False
     return True

@@ -15,7 +15,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 from roverlink.runtime.core.errors import FailedThreadError, SetupError
 from roverlink.runtime.net import hosts, mmsg
@@ -186,6 +186,16 @@ def sender_reader(sock: socket.socket, size: int) -> Callable[[], list[SentDatag
     return OneByOneReader(sock, size, _SLOTS).read_with_senders
 
 
+class Loop(Protocol):
+    """Something that reads the socket of a `Receiver` in its place, on its thread."""
+
+    def run(self) -> None:
+        """Handle datagrams until `stop` is called."""
+
+    def stop(self, *, stopping: bool = True) -> None:
+        """Make `run` return when data comes on the second of the `Receiver`'s sockets; false undoes it."""
+
+
 class Receiver(Generic[T]):
     """Thread that reads a UDP socket and calls a function with each batch of datagrams. The function must not block.
 
@@ -210,7 +220,9 @@ class Receiver(Generic[T]):
         self.pass_to(handle, reader)
         self._wake, self._woken = socket.socketpair()
         self._wake.setblocking(False)
+        self._woken.setblocking(False)
         self._stopping = False
+        self._loop: Loop | None = None
         self.left = 0
         """Datagrams that had arrived at the stop but were not handled in time."""
         self._failure: BaseException | None = None
@@ -235,12 +247,31 @@ class Receiver(Generic[T]):
         # One assignment, because a reader's batches must reach only the handler that they are for.
         self._path: tuple[Callable[[], list[T]], Callable[[list[T]], None]] = reader(self._sock, self._size), handle
 
+    @property
+    def sockets(self) -> tuple[socket.socket, socket.socket]:
+        """Socket that the thread reads, and the one on which data ends its wait."""
+        return self._sock, self._woken
+
+    def use(self, loop: Loop | None) -> None:
+        """Let a loop do the reading from now on; None reads as before. Safe while the thread runs."""
+        before, self._loop = self._loop, loop
+        if loop is not None:
+            loop.stop(stopping=self._stopping)
+        if before is not None and before is not loop:
+            before.stop()
+        self._wake_thread()
+
     def stop(self) -> None:
         """Ask the thread to handle the datagrams that have arrived, and to end.
 
         Safe in a signal handler; may be repeated.
         """
         self._stopping = True
+        if self._loop is not None:
+            self._loop.stop()
+        self._wake_thread()
+
+    def _wake_thread(self) -> None:
         with contextlib.suppress(OSError):  # the pipe is full, so the thread wakes anyway; or it has ended
             self._wake.send(b"\0")
 
@@ -257,9 +288,14 @@ class Receiver(Generic[T]):
         poll.register(self._woken, select.POLLIN)
         try:
             while not self._stopping:
-                # Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
-                poll.poll()
-                self._handle_burst()
+                if (loop := self._loop) is not None:
+                    loop.run()
+                else:
+                    # Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
+                    poll.poll()
+                    self._handle_burst()
+                with contextlib.suppress(BlockingIOError):
+                    self._woken.recv(_SLOTS)
             self._drain()
         except BaseException as failure:  # noqa: BLE001  # `join` raises it
             self._failure = failure

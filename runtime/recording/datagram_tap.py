@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from roverlink.runtime.bridge.bridge import Handle
+from roverlink.runtime.bridge.handling_times import Handle
 from roverlink.runtime.bridge.to_peer import Send
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.net import udp

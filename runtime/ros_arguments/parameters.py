@@ -86,6 +86,7 @@ class Parameters:
     max_datagram: int
     receive_buffer: int
     link_policy: str
+    native_core: bool
     use_sim_time: bool
     addresses: Mapping[EndName, EndAddress]
     """Hosts and UDP port of each end of the link."""

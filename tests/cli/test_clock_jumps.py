@@ -17,7 +17,6 @@ from mcap.reader import make_reader
 from needs import needs_dds
 from polling import PATIENCE_S, wait_until
 from programs import Start
-from rosbags.highlevel import AnyReader
 from terminals import Terminal
 
 from generated.registry import REGISTRY
@@ -98,6 +97,8 @@ def _numbers(peer: socket.socket, count: int) -> list[int]:
 
 def test_a_recording_carries_steady_and_wall_time(run: Path, jump: int) -> None:
     """Other readers, too, find the messages in order and a second apart, beside what the clock showed."""
+    from rosbags.highlevel import AnyReader  # here, not where tests are collected: it brings a whole YAML library
+
     with run.with_suffix(".datagrams.mcap").open("rb") as file:
         found = [message for _, _, message in make_reader(file).iter_messages()]
     assert [_number(message.data) for message in found] == list(range(_COUNT))

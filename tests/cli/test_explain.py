@@ -12,6 +12,7 @@ from running import Called
 
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
+from roverlink.runtime.native.core import LIBRARY
 from roverlink.wire_dump import wire_lines
 
 _ROOT = Path(__file__).parents[2]
@@ -46,6 +47,9 @@ def test_the_json_is_one_object(called: Called) -> None:
     """For scripts: its example is what the registry makes of it."""
     said = json.loads(called("explain", "imu_info", "--json")[1])
     assert said["size"] == {"payload": 51, "envelope": 53, "unbounded": None}
+    assert {one["topic"]: bool(one["in_python"]) for one in said["translation"]} == dict.fromkeys(
+        ("imu_data", "imu/data_raw", "imu/mag"), not LIBRARY.is_file()
+    )
     assert [field["ros"] for field in said["fields"]][:2] == ["accel_x", "accel_y"]
     envelope = REGISTRY.envelope.FromString(bytes.fromhex(said["example"]["bytes"]))
     assert envelope.WhichOneof("payload") == "imu_info"

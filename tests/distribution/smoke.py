@@ -3,7 +3,7 @@
 The wheels are installed into an environment that has nothing else, then the sdists. In an empty folder, roverlink must
 do the three jobs of a user: edit the table and regenerate, lint in CI, and use the handlers in a program. And it
 must lint a repository without a table, with the command in docs/lint.md. roverkit and check-launch must add their
-commands to it.
+commands to it. roverlink has its native core if there is a C++ compiler, and works without one.
 
 Only the standard library of Python is there when this script starts. Exit code 0: all jobs passed; 1: a job failed.
 """
@@ -12,8 +12,10 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import platform
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -28,6 +30,7 @@ from default_signals import restore_default_signals  # noqa: E402  # not on the 
 from roverlink.dds_domain import claim_domain  # noqa: E402
 
 _PATIENCE_S = 60
+_NO_COMPILER = {"PATH": "", "CXX": ""}
 _CONTAINER = """syntax = "proto3";
 message ContainerInfo { float mass_grams = 1; bool lid_open = 2; }
 """
@@ -53,6 +56,16 @@ envelope = registry.envelope(container_info=payload)
 name, cdr = Translator(registry).receive(envelope.SerializeToString())
 assert (name, cdr) == ("container_info", handler.to_cdr(payload))
 """
+_CORE = """
+from generated.registry import REGISTRY
+from roverlink.runtime.native.core import NoCoreError, open_core
+
+try:
+    assert not open_core(REGISTRY).unsupported
+    print("there is one")
+except NoCoreError as error:
+    print(error)
+"""
 
 
 class _JobError(Exception):
@@ -69,10 +82,10 @@ class _User:
         self.variables = {"PATH": f"{self._bin}:/usr/bin:/bin", "HOME": str(home), "LANG": "C.UTF-8"}
         subprocess.run([sys.executable, "-m", "venv", home / "environment"], check=True)
 
-    def pip(self, *options: object) -> None:
-        """Run pip with the variables of the caller, for they say where pip gets packages."""
+    def pip(self, *options: object, **variables: str) -> None:
+        """Run pip with the variables of the caller, for they say where pip gets packages, and with others."""
         pip = [self._bin / "python", "-m", "pip", "--quiet", "--disable-pip-version-check"]
-        subprocess.run([*pip, *map(str, options)], cwd=self._home, check=True)
+        subprocess.run([*pip, *map(str, options)], cwd=self._home, check=True, env=os.environ | variables)
 
     def run(self, command: str, code: int = 0) -> str:
         """Run a command in the user's folder, and return what it printed. Raises `_JobError` for another exit code."""
@@ -95,7 +108,7 @@ class _User:
 
 
 def main(folder: Path) -> int:
-    """Do the jobs with the wheels, then with the sdists in a folder. Return 1 if one fails."""
+    """Do the jobs with the wheels, then with the sdists in a folder, then without a compiler. Return 1 if one fails."""
     restore_default_signals()
     with tempfile.TemporaryDirectory(prefix="roverlink-smoke-") as home:
         user = _User(Path(home))
@@ -113,8 +126,13 @@ def main(folder: Path) -> int:
                 _lint_in_ci(user)
                 _use_the_handlers(user)
                 _lint_without_a_table(user)
+                _find_the_native_core(user, native=bool(shutil.which("c++")))
                 user.pip("install", *others)
                 _use_other_commands(user)
+                if kind == "*.tar.gz":
+                    user.pip("install", "--force-reinstall", "--no-deps", "--no-cache-dir", roverlink, **_NO_COMPILER)
+                    _find_the_native_core(user, native=False)
+                    _use_the_handlers(user)
             except (_JobError, subprocess.SubprocessError, ValueError) as error:
                 print(f"{roverlink.name} with Python {platform.python_version()}: {error}", file=sys.stderr)
                 return 1
@@ -178,6 +196,14 @@ def _use_the_handlers(user: _User) -> None:
     """Convert a message in a program that has its own main function."""
     (user.folder / "program.py").write_text(_PROGRAM)
     user.run("python program.py")
+
+
+def _find_the_native_core(user: _User, *, native: bool) -> None:
+    """Find out that the library is installed if it can be, and that it is told why it is not."""
+    (user.folder / "core.py").write_text(_CORE)
+    told = user.run("python core.py")
+    if told.startswith("there is one") != native:
+        raise _JobError(f"the native core: {told}")
 
 
 def _lint_without_a_table(user: _User) -> None:

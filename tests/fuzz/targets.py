@@ -9,9 +9,13 @@ from generated.registry import REGISTRY
 from roverlink.runtime import ConversionError, DatagramError, Translator
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.envelope import payload_numbers, restore, strip_trailing_zeros
+from roverlink.runtime.core.handler import UNSTAMPED
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.native.core import LIBRARY, open_core
 
 _TRANSLATOR = Translator(REGISTRY)
+_CORE = open_core(REGISTRY) if LIBRARY.is_file() else None
+_ROWS = (*REGISTRY.handlers, *REGISTRY.extra_topics)
 _OUTBOUND = [handler for handler in REGISTRY.handlers if not handler.route.inbound]
 _MESSAGES: list[type[Message]] = sorted({h.message_type for h in REGISTRY.handlers}, key=lambda one: one.__msgtype__)
 
@@ -52,9 +56,29 @@ def message(data: bytes) -> None:
             assert cdr.encode(cdr.decode(kind, encoded)) == encoded
 
 
+def native_payload(data: bytes) -> None:
+    """The native core and a payload: it makes the handler's message of it, or leaves it to Python."""
+    if data and _CORE is not None:
+        handler = _ROWS[data[0] % len(_ROWS)]
+        found = _CORE.to_cdr(handler, data[1:], UNSTAMPED)
+        assert found is None or found == handler.to_cdr(handler.payload_type.FromString(data[1:]))
+
+
+def native_message(data: bytes) -> None:
+    """The native core and a serialized message: it makes the handler's payload of it, or leaves it to Python."""
+    if data and _CORE is not None:
+        handler = _ROWS[data[0] % len(_ROWS)]
+        found = _CORE.to_proto(handler, data[1:])
+        if found is not None:  # as bytes, in which a NaN is like another one
+            payload = handler.payload_type.FromString(found)
+            assert payload.SerializeToString() == handler.from_cdr(data[1:]).SerializeToString()
+
+
 TARGETS: dict[str, Callable[[bytes], None]] = {
     "datagram": datagram,
     "trailing-zeros": trailing_zeros,
     "sample": sample,
     "message": message,
+    "native-payload": native_payload,
+    "native-message": native_message,
 }

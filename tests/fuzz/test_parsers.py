@@ -19,12 +19,16 @@ _SAMPLES = [
     for number in range(32)
     for handler in REGISTRY.handlers
 ]
+_PAYLOADS = [
+    bytes([number]) + payload_at(handler.payload_type, 1.0).SerializeToString()
+    for number, handler in enumerate(REGISTRY.handlers)
+]
 
 
 @st.composite
 def _damaged(draw: st.DrawFn) -> bytes:
     """Something that was whole once: cut, with other bytes, with more behind it."""
-    data = bytearray(draw(st.sampled_from(_ENVELOPES + _SAMPLES)))
+    data = bytearray(draw(st.sampled_from(_ENVELOPES + _SAMPLES + _PAYLOADS)))
     for _ in range(draw(st.integers(0, 4))):
         data[draw(st.integers(0, len(data) - 1))] = draw(st.integers(0, 255))
     return bytes(data[: draw(st.integers(0, len(data)))]) + draw(st.binary(max_size=8))

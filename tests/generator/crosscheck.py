@@ -23,6 +23,7 @@ import pytest
 from google.protobuf.message import Message as Payload
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from native_crosscheck import NativeCheck
 from random_payloads import Payloads
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
@@ -72,22 +73,29 @@ def check(table: Path) -> None:
     write(table.parent, compare(table.parent, compiled.files, compiled.folders), overwrite=True)
     registry = load_registry(table.parent, compiled.bridge.python_package)
     store, walker = typestore(table.parent / compiled.bridge.folder, registry.package), Walker(compiled.bridge)
+    native = NativeCheck(registry)
     in_any = sorted({member.proto for conversion in compiled.bridge.anys for member in conversion.members})
     assert len(registry.handlers) == len(compiled.bridge.routes) > 0
     for route in compiled.bridge.routes:
         handler = registry.by_number[route.number]
         if route.conversion:
-            _check_handler(handler, route.conversion, walker, store, Payloads(in_any))
-            _check_any_number(handler)
-            _check_refusals(handler, route.conversion)
-    check_standard_topics(registry, compiled.bridge, plain, jazzy="distro: jazzy" in table.read_text(encoding="utf-8"))
+            _check_handler(handler, route.conversion, walker, store, Payloads(in_any), native)
+            _check_any_number(handler, native)
+            _check_refusals(handler, route.conversion, native)
+    check_standard_topics(
+        registry, compiled.bridge, plain, native, "distro: jazzy" in table.read_text(encoding="utf-8")
+    )
+    native.finish()
 
 
-def _check_handler(handler: Any, conversion: Conversion, walker: Walker, store: Typestore, random: Payloads) -> None:
+def _check_handler(
+    handler: Any, conversion: Conversion, walker: Walker, store: Typestore, random: Payloads, native: NativeCheck
+) -> None:
     type_name = handler.message_type.__msgtype__
 
     @given(random.of(handler.payload_type.DESCRIPTOR))
     def both_ways(payload: Any) -> None:
+        native.to_cdr(handler, payload)
         try:
             expected = walker.message(conversion, payload)
         except RefusedError:
@@ -97,7 +105,9 @@ def _check_handler(handler: Any, conversion: Conversion, walker: Walker, store: 
         assert handler.to_cdr(payload) == cdr.encode(handler.to_ros(payload)) == serialized
         theirs = store.deserialize_cdr(serialized, type_name)
         _must_be(plain(theirs, store), expected)
-        back = handler.from_cdr(bytes(store.serialize_cdr(theirs, type_name)))
+        message = bytes(store.serialize_cdr(theirs, type_name))
+        native.to_proto(handler, message)
+        back = handler.from_cdr(message)
         assert back == walker.settle(conversion, payload)
         assert handler.to_cdr(back) == serialized
 
@@ -123,7 +133,7 @@ def _must_be(found: Any, expected: Any) -> None:
         assert expected is None or found == expected, (found, expected)
 
 
-def _check_any_number(handler: Any) -> None:
+def _check_any_number(handler: Any, native: NativeCheck) -> None:
     """A number that its enum does not declare, as a newer board may send it, crosses or is a `ConversionError`.
 
     Of a closed enum, protobuf sets it aside; the field is absent then, and no other number takes its place.
@@ -137,11 +147,12 @@ def _check_any_number(handler: Any) -> None:
                 continue
             if field.enum_type.is_closed:
                 if not any(other.is_required for other in fields):
-                    _must_not_be_taken(handler, field.name, number)
+                    _must_not_be_taken(handler, field.name, number, native)
                     sent = _varint(field.number << 3) + _varint(number % 2**64)
                     _must_be_absent(handler, handler.payload_type.FromString(sent))
                 continue
             payload = handler.payload_type(**{field.name: [number] if field.is_repeated else number})
+            native.to_cdr(handler, payload)
             try:
                 back = handler.from_cdr(handler.to_cdr(payload))
             except ConversionError:
@@ -156,11 +167,12 @@ def _varint(number: int) -> bytes:
     return bytes([*(group | 0x80 for group in groups[:-1]), groups[-1]])
 
 
-def _must_not_be_taken(handler: Any, name: str, number: int) -> None:
+def _must_not_be_taken(handler: Any, name: str, number: int, native: NativeCheck) -> None:
     """A ROS message with the number, where its field can hold that, is no payload."""
     message = handler.message_type(**{f"has_{name}": True}) if hasattr(handler.message_type, f"has_{name}") else None
     if message is not None and 0 <= number < 2**8:
         setattr(message, name, number)
+        native.to_proto(handler, cdr.encode(message))
         with pytest.raises(ConversionError):
             handler.from_cdr(cdr.encode(message))
 
@@ -169,7 +181,7 @@ def _must_be_absent(handler: Any, payload: Payload) -> None:
     assert handler.to_cdr(payload) == handler.to_cdr(handler.payload_type())
 
 
-def _check_refusals(handler: Any, conversion: Conversion) -> None:
+def _check_refusals(handler: Any, conversion: Conversion, native: NativeCheck) -> None:
     """What no payload says is a `ConversionError` that names route and field."""
     types = {field.name: field.type for field in fields_of(handler.message_type)}
     for field in conversion.fields:
@@ -187,6 +199,7 @@ def _check_refusals(handler: Any, conversion: Conversion) -> None:
         else:
             continue
         setattr(message, name, wrong)
+        native.to_proto(handler, cdr.encode(message))
         with pytest.raises(ConversionError, match=rf"^{handler.route.name}\.{name}: "):
             handler.from_cdr(cdr.encode(message))
 

@@ -8,6 +8,7 @@ from typing import Any
 import standard_values
 from hypothesis import given
 from hypothesis import strategies as st
+from native_crosscheck import NativeCheck
 from random_payloads import Payloads
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
@@ -24,21 +25,24 @@ _REFUSALS = ("is not among the values", "out of range", "infinity", "is too larg
 """Why a number that float64 holds, or an enum's default, may not come back."""
 
 
-def check_standard_topics(registry: Registry, bridge: Bridge, plain: Plain, *, jazzy: bool) -> None:
+def check_standard_topics(registry: Registry, bridge: Bridge, plain: Plain, native: NativeCheck, jazzy: bool) -> None:
     """Raise `AssertionError` where a standard does something else than the IR and rosbags."""
     distributions = [Stores.ROS2_JAZZY] if jazzy else [Stores.ROS2_HUMBLE, Stores.ROS2_JAZZY]
     meant = {(route.number, standard.topic): standard for route in bridge.routes for standard in route.standard_topics}
     for handler in (*registry.handlers, *registry.extra_topics):
         if standard := meant.pop((handler.route.number, handler.route.topic), None):
             for store in map(get_typestore, distributions):
-                _check_standard_topic(handler, standard, store, plain)
+                _check_standard_topic(handler, standard, store, plain, native)
     assert not meant
 
 
-def _check_standard_topic(handler: Any, standard: StandardTopic, store: Typestore, plain: Plain) -> None:
+def _check_standard_topic(
+    handler: Any, standard: StandardTopic, store: Typestore, plain: Plain, native: NativeCheck
+) -> None:
     @given(Payloads([]).of(handler.payload_type.DESCRIPTOR), st.integers(0, 2**31 - 1), st.integers(0, 10**9 - 1))
     def both_ways(payload: Any, sec: int, nanosec: int) -> None:
         stamp = Time(sec, nanosec)
+        native.to_cdr(handler, payload, stamp)
         wanted = standard_values.values(standard, payload, stamp)
         try:
             serialized = handler.to_cdr(payload, stamp)
@@ -51,6 +55,7 @@ def _check_standard_topic(handler: Any, standard: StandardTopic, store: Typestor
         assert bytes(store.serialize_cdr(theirs, standard.message)) == serialized
         assert standard_values.equal(plain(theirs, store), wanted)
         if standard.recovered:
+            native.to_proto(handler, serialized)
             _check_way_back(handler, standard, serialized, wanted, stamp)
 
     both_ways()

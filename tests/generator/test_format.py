@@ -10,7 +10,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import pytest
 import yaml
 from golden import ROOT, case, files_of, passing_cases
@@ -27,6 +26,8 @@ from roverlink.runtime.ros_arguments import parameters
 
 @cache
 def _validator() -> Any:
+    import jsonschema  # here, not where tests are collected: it takes a tenth of a second
+
     schema = json.loads(files_of(passing_cases()[0])["generated/mapping.schema.json"])
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(schema)

@@ -8,7 +8,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-import black
 import pytest
 import yaml
 from case_file import CaseFile
@@ -19,7 +18,6 @@ from hypothesis import strategies as st
 from roverlink.generator.ir import ros_names
 from roverlink.generator.pipeline import compile_table
 
-_MODE = black.Mode(line_length=88, target_versions={black.TargetVersion.PY310})
 _NAMES = st.from_regex(r"[a-z]{1,75}", fullmatch=True).filter(lambda name: not ros_names.unusable(name))
 _TEXTS = st.text(st.sampled_from("ab.  \"'\\#({\t\n\f\u00e4\u5bbd"), max_size=120)
 _ROWS = st.tuples(_NAMES, _TEXTS, _TEXTS, st.binary(max_size=80))
@@ -37,6 +35,14 @@ def _is_ours(path: str) -> bool:
     return path.endswith(".py") and "/pb2/" not in path
 
 
+def _formatted(modules: dict[str, str]) -> dict[str, str]:
+    """The modules as black lays them out in 88 columns."""
+    import black  # here: to import it is a twentieth of the collection
+
+    mode = black.Mode(line_length=88, target_versions={black.TargetVersion.PY310})
+    return {path: black.format_str(text, mode=mode) for path, text in modules.items()}
+
+
 def _folder(case: CaseFile) -> str:
     """The folder of the generated package."""
     return next(path.removesuffix("/registry.py") for path in files_of(case) if path.endswith("/registry.py"))
@@ -46,8 +52,7 @@ def _folder(case: CaseFile) -> str:
 @_CASES
 def test_black_leaves_it_as_it_is(case: CaseFile) -> None:
     """Every module is laid out as black lays it out in 88 columns."""
-    changed = {path: black.format_str(text, mode=_MODE) for path, text in _python(case).items()}
-    assert _python(case) == changed
+    assert _python(case) == _formatted(_python(case))
 
 
 @pytest.mark.slow
@@ -89,7 +94,7 @@ def test_black_leaves_any_text_and_any_length_as_it_is(package: str, rows: list[
         (project / "all.proto").write_text(proto, encoding="utf-8")
         (project / "mapping.yaml").write_text(yaml.safe_dump(table), encoding="utf-8")
         made = {path: text for path, text in compile_table(project / "mapping.yaml").files.items() if _is_ours(path)}
-    assert made == {path: black.format_str(text, mode=_MODE) for path, text in made.items()}
+    assert made == _formatted(made)
 
 
 @pytest.mark.slow

@@ -8,7 +8,6 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-import jsonschema
 import pytest
 from golden import ROOT
 from payloads import random_payload
@@ -27,15 +26,21 @@ def _schemas() -> dict[str, Any]:
     }
 
 
+@cache
+def _validator(name: str) -> Any:
+    import jsonschema  # here, not where tests are collected: it takes a tenth of a second
+
+    jsonschema.Draft202012Validator.check_schema(_schemas()[name])
+    return jsonschema.Draft202012Validator(_schemas()[name])
+
+
 @pytest.mark.parametrize("name", [handler.route.name for handler in REGISTRY.handlers])
 def test_a_schema_takes_every_payload_of_its_row(name: str) -> None:
     """Random payloads, as they are printed, are what the schema of their row describes."""
-    jsonschema.Draft202012Validator.check_schema(_schemas()[name])
-    validator = jsonschema.Draft202012Validator(_schemas()[name])
     random = Random(name)  # noqa: S311  # for values, not for secrets
     for _ in range(20):
         values = payload_to_values(random_payload(REGISTRY.by_name[name].payload_type, random))
-        assert [error.message for error in validator.iter_errors(json.loads(json.dumps(values)))] == []
+        assert [error.message for error in _validator(name).iter_errors(json.loads(json.dumps(values)))] == []
 
 
 _NO_PAYLOADS = [
@@ -47,4 +52,4 @@ _NO_PAYLOADS = [
 @pytest.mark.parametrize("values", _NO_PAYLOADS)
 def test_a_schema_refuses_what_is_no_payload(values: object) -> None:
     """Unknown fields, values of another kind, and values out of range are refused."""
-    assert not jsonschema.Draft202012Validator(_schemas()["imu_info"]).is_valid(values)
+    assert not _validator("imu_info").is_valid(values)

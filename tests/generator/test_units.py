@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from typing import TYPE_CHECKING
 
-import pint
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,6 +13,9 @@ from hypothesis import strategies as st
 from roverlink.generator.resolve import units
 from roverlink.generator.resolve.units import known
 from roverlink.generator.resolve.units.unit import BASES, Unit
+
+if TYPE_CHECKING:
+    import pint
 
 _SPELLED = """
 1=dimensionless %=percent °=degree g0=standard_gravity C=coulomb rpm=revolution/minute h=hour d=day min=minute
@@ -29,6 +32,8 @@ _DIMENSIONS = dict(zip(BASES, ("meter", "kilogram", "second", "ampere", "kelvin"
 @cache
 def _pint() -> pint.UnitRegistry[float]:
     """Pint's registry, which takes a second to make: made where it is needed, not where tests are collected."""
+    import pint
+
     return pint.UnitRegistry()
 
 

@@ -246,6 +246,17 @@ def test_each_kind_of_finding_is_accepted(tree: Repository) -> None:
 
 
 @pytest.mark.slow
+def test_a_repaired_number_is_accepted(tree: Repository) -> None:
+    """It is only a hint, and accepting it settles it, with the meaning that it has again."""
+    for members in (_FIRST, ("Imu imu = 1;", "Wind wind = 2;", "Ph ph = 3;"), _FIRST):
+        tree.commit(*members)
+    assert (tree.found(), "hint[HIS101]" in tree.lint("--all")[1]) == ([], True)
+    assert tree.lint("--accept", "2")[0] == 0
+    assert "  rover.Env 2: rover.Gps gps now | rover.Wind wind\n" in tree.ledger.read_text()
+    assert tree.lint("--all")[1] == "No problems found.\n"
+
+
+@pytest.mark.slow
 def test_a_rename_is_one_meaning(project: Repository) -> None:
     """A rename that the lint takes for another meaning passes `generate` and `--against` once it is accepted."""
     assert project.lint("--accept")[0] == 0

@@ -21,6 +21,7 @@ from roverlink.heard_bridges import HeardBridge, HeardBridges, state_of
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.bridge.ends import LinkState
+from roverlink.runtime.bridge.handling_times import BOUNDS_S, HandlingTimes, Latencies
 from roverlink.runtime.bridge.link_exchange import DIFFERS, UNKNOWN, EndReport
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.link_message import LinkMessage
@@ -28,7 +29,6 @@ from roverlink.runtime.core.link_statistics import LinkStatistics
 from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, KeyValue
 from roverlink.runtime.monitoring import diagnostic_array, prometheus
-from roverlink.runtime.monitoring.histogram import BOUNDS_S, LatencyProbe
 from roverlink.runtime.monitoring.liveness import Liveness, SilenceLog
 from roverlink.runtime.monitoring.monitor import Monitor
 from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
@@ -55,15 +55,16 @@ class _Bridge:
     def __init__(self, **rates: int) -> None:
         self.account = Account()
         self.now, self.kernel_drops = 1000.0, 0
-        self.probe = LatencyProbe()
+        self.times = HandlingTimes()
         self.recording: Recording | None = None
         self.links: list[EndReport] = []
-        self.monitor = Monitor(
-            "udp_forwarder", _expecting(**rates), self, self.probe, lambda: self.recording, lambda: self.now
-        )
+        self.monitor = Monitor("udp_forwarder", _expecting(**rates), self, lambda: self.recording, lambda: self.now)
 
     def link_states(self) -> dict[EndName, LinkState]:
         return {}
+
+    def latencies(self) -> Latencies:
+        return self.times.latencies
 
     def socket_state(self) -> SocketState:
         return SocketState(4096, 8192, self.kernel_drops)
@@ -492,7 +493,7 @@ def test_the_silent_board_is_named_with_its_address(caplog: pytest.LogCaptureFix
         sensor: LinkState((), "not_learned"),
     }
     bridge.link_states = lambda: links  # type: ignore[method-assign]
-    monitor = Monitor("rover", REGISTRY, bridge, LatencyProbe(), clock=lambda: bridge.now)
+    monitor = Monitor("rover", REGISTRY, bridge, clock=lambda: bridge.now)
     monitor.sample()
     bridge.account.published.update(arm_feedback=1, drive_diag=1)
     monitor.sample()

@@ -23,7 +23,6 @@ from mcap.reader import make_reader
 from mcap.records import Chunk
 from mcap.stream_reader import StreamReader
 from polling import wait_until
-from rosbags.highlevel import AnyReader
 from runs import ROWS, record_everything, recorder
 
 from generated.registry import REGISTRY
@@ -68,6 +67,8 @@ def test_every_message_is_read_back_by_the_mcap_package(tmp_path: Path, compress
 
 def test_every_message_is_read_back_by_rosbags(tmp_path: Path) -> None:
     """Rosbags opens the file of topics as it opens rosbag2's, and reads the messages of the payloads."""
+    from rosbags.highlevel import AnyReader  # here, not where tests are collected: it brings a whole YAML library
+
     record_everything(tmp_path / "run.mcap", turns=3)
     counts: dict[str, int] = defaultdict(int)
     with AnyReader([tmp_path / "run.mcap"]) as bag:
@@ -83,6 +84,8 @@ def test_every_message_is_read_back_by_rosbags(tmp_path: Path) -> None:
 
 def test_the_file_of_topics_is_what_rosbag2_reads(tmp_path: Path) -> None:
     """Profile, encodings and quality of service are as rosbag2 writes them, and no channel is anything but CDR."""
+    from rosbags.highlevel import AnyReader  # here, as above
+
     writing = recorder(tmp_path / "run.mcap")
     handler = REGISTRY.by_name["imu_info"]
     tap = writing.topic("/imu_data", handler.message_type, Qos("best_effort", "transient_local", "keep_all", 7))

@@ -116,6 +116,7 @@ def test_any_ending_signal_stops_the_rover(run: Run, peer: socket.socket, number
 
 
 _ENDS = "roverlink: the program ends because its thread {} failed: TypeError: a bug (ROVERLINK_DEBUG=1 shows where)"
+_PYTHON = ("--ros-args", "-p", "native_core:=false", "--")
 _GOES_ON = "the thread {} goes on after TypeError('a bug')"
 
 
@@ -125,8 +126,8 @@ _GOES_ON = "the thread {} goes on after TypeError('a bug')"
         ("runtime.core.translator.Translator.receive_all", (), _ENDS.format("udp-receive")),
         ("runtime.bridge.to_peer.OutboundRow.run_due", (), _ENDS.format("timekeeper")),
         ("runtime.bridge.qos_watch.QosWatch.run_due", (), _ENDS.format("graph-watch")),
-        ("runtime.middleware.{}.serve", (), _ENDS.format("{}-take")),
-        ("runtime.middleware.{}.serve", (), "the thread {}-take hangs, so the node does not leave ROS 2"),
+        ("runtime.middleware.{}.serve", _PYTHON, _ENDS.format("{}-take")),
+        ("runtime.middleware.{}.serve", _PYTHON, "the thread {}-take hangs, so the node does not leave ROS 2"),
         ("runtime.monitoring.diagnostic_array.array_of", (), _GOES_ON.format("monitor")),
         ("link_page.live_page.LivePage.tick", ("--page", "0"), _GOES_ON.format("page")),
         ("runtime.middleware.rosout.Log.__init__", (), ": received "),
@@ -163,7 +164,7 @@ def test_no_thread_dies_alone(
     assert code == (2 if said.startswith("roverlink") else 0), errors
     assert any(said.format(middleware) in line for line in lines), errors
     assert any(": received " in line for line in lines[-2:]), errors
-    assert _last_stops(peer) == _STOPS
+    assert _last_stops(peer) >= _STOPS  # and those of a silence before the end, on a busy computer
 
 
 def test_a_clock_beyond_2038_ends_nothing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -51,3 +51,15 @@ def test_echo_hears_any_publisher(judge: Judge, start: Run, middleware: str, pro
         publisher.publish(message)
     assert json.loads(echo.wait_for("distance_to_go", echo.output))["distance_to_go"] == 2.5
     assert echo.end() == 0
+
+
+def test_pub_waits_for_a_subscription(judge: Judge, start: Run, middleware: str) -> None:
+    """`roverlink pub` publishes a message of a row, or of a standard type, once a node listens, and ends with 0."""
+    for topic, type_name, said, options in (
+        ("drive_motor", _MOTOR, {"distance_to_go": 1.5, "turning_radius": -2.25}, ()),
+        ("chatter", "std_msgs/msg/String", {"data": "Grüße"}, ("--type", "std_msgs/msg/String")),
+    ):
+        words = (topic, json.dumps(said), *options, "--once", "--wait", 60)
+        pub = start("pub", *words, "--middleware", middleware)
+        judge.hear(f"/{topic}", type_name).wait_for(said)
+        assert pub.end() == 0

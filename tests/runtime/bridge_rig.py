@@ -14,7 +14,8 @@ from polling import PATIENCE_S, wait_until
 
 from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos, Registry
-from roverlink.runtime.bridge.bridge import Handle, Observer, Send
+from roverlink.runtime.bridge.bridge import Observer, Send
+from roverlink.runtime.bridge.handling_times import Handle
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.keys.signed_links import SignedLinks
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware

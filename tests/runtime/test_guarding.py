@@ -13,7 +13,8 @@ from bridge_rig import QUIET, Rig, changed, envelope, listener, of_peers
 from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Qos
-from roverlink.runtime.bridge.bridge import Handle, Send
+from roverlink.runtime.bridge.bridge import Send
+from roverlink.runtime.bridge.handling_times import Handle
 from roverlink.runtime.core.handler import Deadman
 from roverlink.runtime.middleware.memory import MemoryMiddleware, MemorySubscription
 from roverlink.runtime.net import mmsg, udp

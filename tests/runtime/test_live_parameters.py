@@ -104,4 +104,4 @@ def test_descriptions_say_what_ros_2_may_set() -> None:
     assert port.description == "UDP port of the peer hardware"
     assert policy.additional_constraints == "one of mapping, all"
     read_only = {name for name, descriptor in descriptors.items() if descriptor.read_only}
-    assert read_only == {"listen_port", "listen_address", "max_datagram", "use_sim_time"}
+    assert read_only == {"listen_port", "listen_address", "max_datagram", "native_core", "use_sim_time"}

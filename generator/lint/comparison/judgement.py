@@ -121,6 +121,9 @@ class TypePair:
     """True if no state between the old and the new one left the number unused."""
 
 
+_SAME = Judgement(Meaning.SAME)
+
+
 # --- fields and values ------------------------------------------------------------------------------------------------
 
 
@@ -184,6 +187,8 @@ def gravest(judgements: Iterable[Judgement]) -> Judgement:
 
 def _judge_alone(old: Part, new: Part, shared: frozenset[str] = frozenset()) -> Judgement:
     """Judge two fields or values by their own bytes and names, without a look at other fields and at the types."""
+    if old == new:
+        return _SAME
     if _broken(old.kind, new.kind):
         return Judgement(Meaning.WIRE, f"a receiver of {new.kind} misreads {old.kind}")
     counts = old.cardinality, new.cardinality

@@ -87,6 +87,6 @@ def _decoded(body: bytes, pool: Pool) -> Iterator[tuple[str, NumberedTypes]]:
     types = []
     for _ in range(json.loads(next(lines))):
         indices, offsets, *others = json.loads(next(lines))
-        types.append(pool.shared(tuple(facts[index] for index in indices), tuple(offsets), *others))
+        types.append(pool.shared(tuple(map(facts.__getitem__, indices)), tuple(offsets), *others))
     for blob, declared in map(json.loads, lines):
         yield blob, {sys.intern(name): types[index] for name, index in declared.items()}

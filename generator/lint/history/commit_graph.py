@@ -75,6 +75,13 @@ class Graph:
         """Return True if the node ``one`` is an ancestor of the node ``other``, or the same node."""
         return bool(self._ancestors[other] >> one & 1)
 
+    def past(self, nodes: Iterable[int]) -> int:
+        """Return an integer whose set bits are some nodes and all their ancestors."""
+        found = 0
+        for node in nodes:
+            found |= self._ancestors[node]
+        return found
+
     def on_first_parents(self, one: int, other: int) -> bool:
         """Return True if the way from the node ``other`` back along first parents leads to the node ``one``."""
         begin, end = self._intervals[one]
@@ -114,10 +121,7 @@ class Graph:
         if not revision.edits and all(self.precedes(parent, parents[0]) for parent in parents):
             return parents[0]
         index = len(self)
-        ancestors = 1 << index
-        for parent in parents:
-            ancestors |= self._ancestors[parent]
-        self._ancestors.append(ancestors)
+        self._ancestors.append(1 << index | self.past(parents))
         self.nodes.append(Node(index, parents, revision))
         return index
 

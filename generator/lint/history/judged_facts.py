@@ -2,29 +2,36 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from roverlink.generator.lint.comparison.cardinality import EXPLICIT, MAP, REPEATED, REQUIRED
 from roverlink.generator.lint.comparison.judgement import NAMED, Part, TypeState, judge_field
 from roverlink.generator.lint.history.usage_model import Content
 from roverlink.generator.protos.parser import SCALARS
 from roverlink.generator.protos.schema import Fact, default_json_name
 
+_UNNAMED = SCALARS | {"", "group"}
 _CARDINALITIES = {"repeated": REPEATED, "required": REQUIRED}
 
 
 def part(fact: Fact, content: Content | None = None) -> Part:
     """Return a field or enum value as it is judged. ``content`` is the content of the field's type, if it is known."""
+    return _part(fact, _kind(fact.type, content))
+
+
+@lru_cache(maxsize=1 << 16)
+def _part(fact: Fact, kind: str) -> Part:
     if not fact.type:
         return Part(fact.number, fact.name)
     # The syntax of the file, which decides about presence, is not stored. Presence changes no bytes that are sent.
     count = MAP if fact.type.startswith("map<") else _CARDINALITIES.get(fact.label, EXPLICIT)
-    kind = _kind(fact.type, content)
     json_name = fact.json_name or default_json_name(fact.name)
     return Part(fact.number, fact.name, kind, count, json_name, bool(fact.oneof) and kind in ("message", NAMED))
 
 
 def is_named(type: str) -> bool:
     """Return True if a type is the name of a message or enum. A group has no name of its own."""
-    return type not in SCALARS | {"", "group"} and not type.startswith("map<")
+    return type not in _UNNAMED and not type.startswith("map<")
 
 
 def _kind(type: str, content: Content | None) -> str:

@@ -109,10 +109,14 @@ class _Sweep:
         changed = self._edit(node, state)
         here = state.alive
         # Lines of history share the mappings of all messages that neither has changed since they diverged. So the
-        # identity of two mappings tells that there is nothing to merge, without a look at their facts.
+        # identity of two mappings usually tells that there is nothing to merge, without a look at their facts.
         for there in alive_there:
             if there is not here:
-                changed |= {type for type, alive in there.items() if here.get(type) is not alive}
+                changed |= {
+                    type
+                    for type, alive in there.items()
+                    if type not in here or (here[type] is not alive and here[type] != alive)
+                }
                 changed |= here.keys() - there.keys()
         for type in changed:
             befores = [alive.get(type, _NOTHING) for alive in (here, *alive_there)]
@@ -174,13 +178,14 @@ class _Sweep:
         lifetimes = self.lineage.lifetimes.setdefault(type, [])
         after: dict[Fact, Lifetimes] = {}
         for (path, _), declaration in declared.items():
-            for fact, line in declaration.lines():
+            for fact, offset in zip(declaration.facts, declaration.offsets):
                 if fact not in after:
                     held = [before[fact] for before in befores if fact in before]
                     if not held:
-                        lifetimes.append(Lifetime(fact, node.index, path, line))
-                        held = [frozenset((len(lifetimes) - 1,))]
-                    after[fact] = held[0].union(*held[1:]) if len(held) > 1 else held[0]
+                        held.append(frozenset((len(lifetimes),)))
+                        lifetimes.append(Lifetime(fact, node.index, path, declaration.line + offset))
+                    first, *others = held
+                    after[fact] = first.union(*others) if others else first
         for before in befores:
             for fact in before.keys() - after.keys():
                 self._end(node, fact, befores, [lifetimes[index] for index in sorted(before[fact])])

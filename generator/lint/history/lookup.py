@@ -35,7 +35,8 @@ class Record:
         self, graph: Graph, lineage: Lineage, newest: int, tips: Mapping[str, int], kept: Iterable[int] = ()
     ) -> None:
         self.graph, self.lineage, self.newest, self.tips = graph, lineage, newest, tips
-        self._kept = frozenset((newest, *kept))
+        self._kept = graph.past((newest, *kept))
+        """An integer whose set bits are the kept nodes and their ancestors."""
         self._nodes_of_tips = sorted({newest, *tips.values()})
         self._nodes_of_changes: dict[int, Sequence[int]] = {}
         self._contents: dict[tuple[int, int], Content] = {}
@@ -167,7 +168,9 @@ class Record:
 
     def _place_of(self, owner: int, node: int) -> Place:
         """Return path and full name of a type at a node, or at another node if it is not declared there."""
-        return next(iter(self.declared(owner, node)), Place("", self.types[owner].name))
+        for place in self.declared(owner, node):
+            return place
+        return Place("", self.types[owner].name)
 
     def _declared_as(self, name: str, node: int) -> Iterator[tuple[int, Place]]:
         for id in self._by_name.get(name, ()):
@@ -233,7 +236,7 @@ class Record:
 
     def is_kept(self, node: int) -> bool:
         """Return False if only branches that are not merged contain a node, so that it may still change."""
-        return any(self.graph.precedes(node, kept) for kept in self._kept)
+        return bool(self._kept >> node & 1)
 
     def has(self, owner: int, fact: Fact, node: int) -> bool:
         """Return True if the message or enum ``owner`` declares the fact (a field or value) at a node."""

@@ -25,11 +25,6 @@ class NumberedType:
     """True if the parser could not read some lines of the file."""
     enum: bool
 
-    def lines(self) -> Iterator[tuple[Fact, int]]:
-        """Yield each fact with the first line of the file that declares the fact."""
-        for fact, offset in zip(self.facts, self.offsets):
-            yield fact, self.line + offset
-
 
 NumberedTypes = dict[str, NumberedType]
 """The messages and enums in one state of a file, by full name."""

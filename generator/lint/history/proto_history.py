@@ -133,6 +133,11 @@ class History:
         return tuple(sorted(self._record.types.values(), key=lambda each: (each.name, each.id)))
 
     @cached_property
+    def types_by_name(self) -> dict[str, tuple[TracedType, ...]]:
+        """The same as `types`, by the name that each type has in the newest state, or had last."""
+        return {name: tuple(types) for name, types in groupby(self.types, key=lambda each: each.name)}
+
+    @cached_property
     def messages(self) -> tuple[str, ...]:
         """All full names that messages had at some time."""
         return tuple(sorted({name for type in self.types if not type.enum for name in type.names}))

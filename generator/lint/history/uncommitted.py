@@ -19,6 +19,8 @@ from roverlink.generator.git import Commit, GitError, Repository
 from roverlink.generator.lint.history.commits import PROTOS, Edit, Revision, edits_at
 
 _INDEX, _WORKING_TREE = "the index", "the working tree"
+UNCOMMITTED = frozenset({_INDEX, _WORKING_TREE})
+"""The ids of the revisions that stand for the index and the working tree."""
 _DIFF = ("--raw", "-z", "--no-abbrev", "--no-renames", "--no-relative")
 
 
@@ -36,7 +38,7 @@ class Uncommitted:
 
 def is_uncommitted(revision: str) -> bool:
     """Return True if the id of a revision stands for the index or the working tree."""
-    return revision in (_INDEX, _WORKING_TREE)
+    return revision in UNCOMMITTED
 
 
 class CheckedOut(Repository):

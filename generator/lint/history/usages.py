@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from roverlink.generator.lint.history.lineage import Alive, Lifetime
 from roverlink.generator.lint.history.lookup import Record
-from roverlink.generator.lint.history.uncommitted import is_uncommitted
+from roverlink.generator.lint.history.uncommitted import UNCOMMITTED
 from roverlink.generator.lint.history.usage_model import Interval, Usage
 from roverlink.generator.protos.schema import Fact
 
@@ -76,23 +77,22 @@ def _live_at(record: Record, owner: int, branches: Mapping[str, int]) -> dict[in
     The working tree or the index is named only if no branch has the lifetime's fact.
     """
     # Most branches share the mapping of a message that none of them has changed.
-    refs_of: dict[int, list[str]] = {}
+    refs_of = defaultdict[int, list[str]](list)
     alive_by_id: dict[int, Alive] = {}
     for ref, node in branches.items():
         alive = record.lineage.tips[node].get(owner)
-        if alive and not is_uncommitted(ref):
-            refs_of.setdefault(id(alive), []).append(ref)
+        if alive and ref not in UNCOMMITTED:
+            refs_of[id(alive)].append(ref)
             alive_by_id[id(alive)] = alive
-    found: dict[int, list[str]] = {}
+    found = defaultdict[int, list[str]](list)
     for key, refs in refs_of.items():
         for lifetimes in alive_by_id[key].values():
             for index in lifetimes:
-                found.setdefault(index, []).extend(refs)
-    for ref, node in branches.items():
-        if is_uncommitted(ref):
-            for lifetimes in record.lineage.tips[node].get(owner, {}).values():
-                for index in lifetimes - found.keys():
-                    found[index] = [ref]
+                found[index] += refs
+    for ref in branches.keys() & UNCOMMITTED:
+        for lifetimes in record.lineage.tips[branches[ref]].get(owner, {}).values():
+            for index in lifetimes - found.keys():
+                found[index] = [ref]
     return found
 
 

@@ -111,6 +111,7 @@ def _compare(before: Sequence[_Word], after: Sequence[_Word]) -> Comparison:
     return _compare_words(*_subjects(before, after))
 
 
+@lru_cache(maxsize=1 << 16)
 def is_telling(name: str, shared: frozenset[str] = frozenset()) -> bool:
     """Return True if two things hardly have this name by chance: False for ``x``, ``value`` and ``data_2``."""
     return any(

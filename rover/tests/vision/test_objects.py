@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, settings
@@ -18,10 +19,12 @@ pytest.importorskip("scipy", reason=NO_SCIPY)
 from roverkit.objects.detected_objects import Box, ObjectDetection, TrackedObject  # noqa: E402
 from roverkit.objects.location import Location, locate  # noqa: E402
 from roverkit.objects.metrics import average_precisions  # noqa: E402
-from roverkit.objects.object_tracker import CERTAIN, ObjectTracker  # noqa: E402
 from roverkit.objects.selection import KNOWN_NS, Scene, Selection, State  # noqa: E402
 from roverkit.vision import CameraParameters, Pose  # noqa: E402  # they need OpenCV and SciPy
 from roverkit.vision.poses.pose import rotation_of  # noqa: E402
+
+if TYPE_CHECKING:
+    from roverkit.objects.object_tracker import ObjectTracker
 
 _S = 1_000_000_000
 
@@ -113,9 +116,15 @@ def _seen(x: float, y: float, name: str = "rock", confidence: float = 0.8) -> Ob
     return ObjectDetection(Box(x, y, 60.0, 60.0), name, confidence)
 
 
+def _tracker() -> ObjectTracker:
+    from roverkit.objects.object_tracker import ObjectTracker  # here: SciPy is a tenth of what the collection imports
+
+    return ObjectTracker()
+
+
 def _ids(frames: Iterable[Frame]) -> dict[int, set[int]]:
     """The numbers that each true object got."""
-    tracker, given = ObjectTracker(), dict[int, set[int]]()
+    tracker, given = _tracker(), dict[int, set[int]]()
     for number, frame in enumerate(frames):
         for one in tracker.track([detection for _, detection in frame], number * _PERIOD_NS):
             truth = next(truth for truth, detection in frame if detection.box is one.box)
@@ -163,7 +172,7 @@ class _Tracked:
     """A tracker that is shown the same detections for some frames; the number of the frame goes on."""
 
     def __init__(self) -> None:
-        self._tracker, self.number = ObjectTracker(), 0
+        self._tracker, self.number = _tracker(), 0
 
     def show(self, frames: int, *detections: ObjectDetection) -> list[TrackedObject]:
         for _ in range(frames):
@@ -187,7 +196,7 @@ def test_an_error_of_one_frame_is_no_object() -> None:
     """Neither is what the detector never was certain of."""
     tracked = _Tracked()
     assert tracked.show(1, _seen(100, 100)) == []
-    assert tracked.show(5, _seen(300, 100, confidence=CERTAIN / 2)) == []
+    assert tracked.show(5, _seen(300, 100, confidence=0.25)) == []
 
 
 def test_an_object_is_what_most_detections_say_where_the_newest_one_is() -> None:

@@ -24,7 +24,7 @@ from roverlink.generator.ir.interfaces import (
 )
 
 _Leaf = Taken | Chosen | Constant | Rotation | Moment
-_CPP = Dialect(separator="'", pi="roverlink::PI", power="std::pow({base}, {exponent})", constant="{name}")
+_CPP = Dialect(separator="'", pi="roverlink::PI", constant="{name}")
 
 
 @dataclass(frozen=True, slots=True)

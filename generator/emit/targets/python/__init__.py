@@ -13,6 +13,7 @@ from roverlink.generator.emit.targets.python import (
     pb2,
     registry,
     serializers,
+    translations,
 )
 
 
@@ -22,7 +23,7 @@ def emit(bridge: ir.Bridge) -> Files:
     These are handlers, serializers, message classes, conversions, protoc's modules, the registry and its checks.
     """
     fast = serializers.serializers(bridge)
-    for part in (conversions, extra_topics, handlers, interfaces, messages, pb2):
+    for part in (conversions, extra_topics, handlers, interfaces, messages, pb2, translations):
         yield from part.emit(bridge)
     yield from registry.emit(bridge, fast)
     yield from serializers.emit(bridge, fast)

@@ -35,7 +35,7 @@ from roverlink.generator.ir.interfaces import (
 )
 
 _NANOSECONDS = 1_000_000_000  # in a second
-_PYTHON = Dialect(separator="_", pi="math.pi", power="{base}**{exponent}", constant="{name}")
+_PYTHON = Dialect(separator="_", pi="math.pi", constant="{name}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import time
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from roverlink.runtime.bridge.bridge import Handle
-from roverlink.runtime.bridge.to_peer import Send
 from roverlink.runtime.net import udp
 
 BOUNDS_S = (1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 0.1, 0.5)
 """Upper bounds of the buckets in seconds; one more bucket holds longer times."""
+
+
+Handle = Callable[[udp.Batch], None]
+"""Function that handles a batch of datagrams."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +25,10 @@ class Latencies:
     """Number of datagrams in each bucket of `BOUNDS_S`, and in the bucket above the last bound."""
     sum_s: float
     """Sum of the times of all datagrams, in seconds."""
+
+    def __add__(self, other: Latencies) -> Latencies:
+        """Return the histogram of the datagrams of both."""
+        return Latencies([*map(sum, zip(self.counts, other.counts))], self.sum_s + other.sum_s)
 
     @property
     def total(self) -> int:
@@ -44,14 +50,14 @@ class Latencies:
         return None
 
 
-class LatencyProbe:
-    """Observer that measures the time from the reading of a batch until the batch is published and forwarded."""
+class HandlingTimes:
+    """Measured times from the reading of a batch until the batch is published and forwarded."""
 
     def __init__(self) -> None:
         self._counts = [0] * (len(BOUNDS_S) + 1)
         self._sum_s = 0.0
 
-    def receiving(self, handle: Handle) -> Handle:
+    def timed(self, handle: Handle) -> Handle:
         """Wrap ``handle`` to measure the time of each batch. The time counts once for each datagram of the batch."""
         counts, now = self._counts, time.perf_counter
 
@@ -64,10 +70,6 @@ class LatencyProbe:
             self._sum_s += took * len(batch)
 
         return timed
-
-    def sending(self, peer: str, send: Send) -> Send:  # noqa: ARG002  # part of the Observer interface
-        """Return ``send`` unchanged: only received datagrams are measured."""
-        return send
 
     @property
     def latencies(self) -> Latencies:

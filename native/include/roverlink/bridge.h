@@ -1,0 +1,168 @@
+/* The way of a datagram through a bridge without Python: from the socket to topics and to other peers, and from topics
+ * to peers.
+ *
+ * `rl_receive` and `rl_serve` run on threads of their own. What they cannot do, they hand to Python with a call: a datagram of a row that
+ * it does not translate, one that is not exactly an envelope with one payload, and a value that does not fit. Python
+ * then does all that it would do without this library, so that counts and texts are the same.
+ *
+ * All structs are memory of Python. Python writes the members marked "P" while the thread runs, and reads those marked
+ * "N", which only the thread writes.
+ */
+#ifndef ROVERLINK_BRIDGE_H
+#define ROVERLINK_BRIDGE_H
+
+#include <sys/uio.h>
+
+#include "roverlink/native.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define RL_BURST 8     /* datagrams that are published at once, below the depth (10) of most subscriptions */
+#define RL_SLOTS 64    /* datagrams that one system call reads */
+#define RL_BUCKETS 16  /* of the histogram of latencies, at most */
+
+typedef struct rl_datagram {
+  const uint8_t *data;
+  size_t size;
+} rl_datagram;
+
+/* Serialized message of rcl: rcutils_uint8_array_t, whose allocator is not used for publishing. */
+typedef struct rl_rcl_message {
+  const uint8_t *buffer;
+  size_t length, capacity;
+  void *allocator[5];
+} rl_rcl_message;
+
+/* Functions of the middleware's library: those of Cyclone DDS, or the one of rcl. */
+typedef struct rl_middleware {
+  void *(*serdata)(const void *sertype, int kind, size_t count, const struct iovec *, size_t size);
+  int32_t (*write)(int32_t writer, void *serdata);
+  int32_t (*flush)(int32_t writer);
+  int32_t (*publish)(const void *publisher, const rl_rcl_message *, void *allocation);
+  int32_t (*count_subscriptions)(const void *publisher, size_t *count);
+} rl_middleware;
+
+/* Topic on which a row's payloads are published. */
+typedef struct rl_topic {
+  uint32_t translation;
+  uint32_t wanted;        /* P: 1 if the topic has subscribers, or keeps messages for later ones */
+  int32_t writer;         /* of Cyclone DDS, with the type of its samples */
+  uint32_t unused;
+  const void *sertype;
+  const void *publisher;  /* of rcl */
+  int64_t paused_until;   /* in nanoseconds of the monotonic clock: no message is published before */
+  uint64_t published;     /* N */
+} rl_topic;
+
+typedef struct rl_row {
+  uint32_t number;        /* of the envelope's field; the rows are sorted by it */
+  uint32_t native;        /* P: 0 hands the datagrams of the row over */
+  uint32_t at_once;       /* the row's datagrams are handed over before any later one is handled */
+  uint32_t first_topic;   /* the row's own topic; behind it are the extra topics */
+  uint32_t topics;
+  uint32_t longest;       /* P: longer datagrams are handed over */
+  uint64_t forward;       /* P: bit by destination */
+  uint64_t handled;       /* N: datagrams */
+} rl_row;
+
+/* End of the link to which datagrams are forwarded. */
+typedef struct rl_destination {
+  const int32_t *socket;  /* P: connected; -1 if Python has to send */
+  uint64_t forwarded;     /* N */
+  uint32_t segments;      /* 1 if the kernel has UDP_SEGMENT */
+  uint32_t unused;
+} rl_destination;
+
+/* Calls of Python. All but the first get the index of a topic or a destination. Each returns 0; any other number ends
+ * `rl_receive`. */
+typedef struct rl_calls {
+  int (*handle)(const rl_datagram *, uint32_t count); /* without datagrams: once in two seconds while some arrive */
+  int (*not_published)(uint32_t topic);
+  int (*send)(uint32_t destination, const rl_datagram *, uint32_t count);
+} rl_calls;
+
+typedef struct rl_bridge {
+  const rl_table *table;
+  rl_workspace *workspace;
+  rl_topic *topics;
+  rl_row *rows;
+  rl_destination *destinations;
+  rl_middleware middleware;
+  rl_calls calls;
+  const double *bounds;        /* of the buckets of the histogram, in seconds */
+  uint64_t latencies[RL_BUCKETS]; /* N: datagrams by the time that their burst needed */
+  double latency_sum;          /* N: seconds */
+  uint64_t received;           /* N: datagrams that were not handed over */
+  uint32_t n_topics, n_rows, n_destinations, n_bounds;
+  int32_t socket, wake;        /* file descriptors */
+  uint32_t largest;            /* longest datagram that is read; longer ones are cut */
+  uint32_t stopping;           /* P: 1 makes `rl_receive` return, also if datagrams arrive all the time */
+} rl_bridge;
+
+/* RL_OK, or RL_WRONG_TABLE if an index leads out of an array. */
+RL_API int rl_check_bridge(const rl_bridge *);
+
+/* Handle datagrams until `stopping` is set or `wake` has data. Returns 0, what a call of Python returned if that was not 0, or -1 if memory
+ * is short. */
+RL_API int rl_receive(rl_bridge *);
+
+/* Sample info of Cyclone DDS: dds_sample_info_t. */
+typedef struct rl_sample_info {
+  uint32_t sample_state, view_state, instance_state;
+  uint8_t valid_data;
+  int64_t source_timestamp;
+  uint64_t instance_handle, publication_handle;
+  uint32_t counts[5];
+} rl_sample_info;
+
+/* Functions of Cyclone DDS. */
+typedef struct rl_reading {
+  int32_t (*wait)(int32_t waitset, intptr_t *triggered, size_t most, int64_t timeout);
+  int32_t (*take)(int32_t reader, void **serdata, uint32_t most, rl_sample_info *, uint32_t mask);
+  uint32_t (*size)(const void *serdata);
+  void (*bytes)(const void *serdata, size_t first, size_t size, void *out);
+  void (*unref)(void *serdata);
+} rl_reading;
+
+/* Topic whose messages go to a peer. */
+typedef struct rl_subscription {
+  uint32_t translation;
+  uint32_t number;         /* of the envelope's field */
+  int32_t reader;          /* of Cyclone DDS */
+  uint32_t native;         /* P: 0 hands the messages over, and also datagrams that are not sent yet */
+  const int32_t *socket;   /* P: see rl_destination */
+  uint32_t segments;
+  uint32_t unused;
+  uint64_t taken, sent;    /* N */
+  int64_t sent_at;         /* N: time of the last datagram, in nanoseconds of the monotonic clock */
+} rl_subscription;
+
+/* Calls of Python; `topic` is an index in `topics`. Each returns 0; any other number ends `rl_serve`. */
+typedef struct rl_serving_calls {
+  int (*serve)(uint32_t topic, uint32_t most);  /* take and handle messages of a topic that Python reads */
+  int (*take)(uint32_t topic, const rl_datagram *message);  /* handle a message that was taken */
+  int (*send)(uint32_t topic, const rl_datagram *);  /* send a datagram that could not be sent */
+} rl_serving_calls;
+
+typedef struct rl_server {
+  const rl_table *table;
+  rl_workspace *workspace;
+  rl_subscription *const *topics;  /* the most urgent first; null for one that Python reads */
+  const int32_t *priorities;       /* of the topics */
+  rl_reading reading;
+  rl_serving_calls calls;
+  uint32_t n_topics;
+  int32_t waitset;                 /* what triggers it is an index in `topics`, or -1 for `stopping` */
+  uint32_t stopping;               /* P: 1 makes `rl_serve` return */
+  uint32_t unused;
+} rl_server;
+
+/* Take messages and send them until `stopping` is set. Returns as `rl_receive` does. */
+RL_API int rl_serve(rl_server *);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,311 @@
+// The way of datagrams from the socket to topics and other peers.
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <memory>
+#include <new>
+
+#include "frame.hpp"
+#include "roverlink/bridge.h"
+#include "sending.hpp"
+#include "shared_counts.hpp"
+#include "times.hpp"
+
+namespace roverlink {
+namespace {
+
+constexpr size_t MESSAGE_ROOM = size_t{1} << 20;  // for the messages of one datagram on all topics of its row
+constexpr int64_t TICK_NS = 2'000'000'000;
+constexpr int64_t PAUSE = 9;  // a publisher that made the thread wait is left alone for so many times as long
+constexpr int SDK_DATA = 2;   // enum ddsi_serdata_kind
+
+struct Reading {
+  mmsghdr headers[RL_SLOTS];
+  iovec places[RL_SLOTS];
+  rl_datagram datagrams[RL_SLOTS];
+};
+
+bool varint(const uint8_t *&at, const uint8_t *end, uint32_t *value) {
+  uint64_t found = 0;
+  for (unsigned shift = 0; shift < 35 && at < end; shift += 7) {
+    const uint8_t byte = *at++;
+    found |= uint64_t{byte & 0x7fu} << shift;
+    if (byte < 0x80) {
+      *value = static_cast<uint32_t>(found);
+      return found <= UINT32_MAX;
+    }
+  }
+  return false;
+}
+
+// One call of `rl_receive`.
+class Loop {
+ public:
+  explicit Loop(rl_bridge &bridge)
+      : bridge_(bridge),
+        bytes_(new (std::nothrow) uint8_t[size_t{bridge.largest} * RL_SLOTS]),
+        messages_(new (std::nothrow) uint8_t[MESSAGE_ROOM]),
+        reading_(new (std::nothrow) Reading) {}
+
+  int run() {
+    if (bytes_ == nullptr || messages_ == nullptr || reading_ == nullptr) return -1;
+    for (size_t slot = 0; slot < RL_SLOTS; ++slot)
+      reading_->places[slot] = {bytes_.get() + slot * bridge_.largest, bridge_.largest};
+    pollfd watched[2] = {{bridge_.socket, POLLIN, 0}, {bridge_.wake, POLLIN, 0}};
+    while (!load(bridge_.stopping)) {
+      // Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
+      poll(watched, 2, -1);
+      if (watched[1].revents != 0) return 0;
+      if (const int ended = handle_arrived()) return ended;
+    }
+    return 0;
+  }
+
+ private:
+  // Datagrams of a burst that are handed over, and what has been done for the others.
+  struct Burst {
+    rl_datagram handed_over[RL_BURST];
+    uint32_t handed_over_rows[RL_BURST];
+    uint32_t n_handed_over = 0;
+    uint64_t forward[RL_BURST] = {};
+    const rl_datagram *datagrams;
+    uint32_t size;
+    timespec arrived;
+  };
+
+  // Handles all datagrams that have arrived, and also those that arrive meanwhile.
+  int handle_arrived() {
+    uint32_t count = RL_SLOTS;
+    while (count == RL_SLOTS && !load(bridge_.stopping)) {
+      count = read();
+      for (uint32_t first = 0; first < count; first += RL_BURST) {
+        const uint32_t size = std::min<uint32_t>(RL_BURST, count - first);
+        if (const int ended = handle(reading_->datagrams + first, size)) return ended;
+      }
+    }
+    return 0;
+  }
+
+  uint32_t read() {
+    for (size_t slot = 0; slot < RL_SLOTS; ++slot) {
+      msghdr &header = reading_->headers[slot].msg_hdr;
+      header = {};
+      header.msg_iov = &reading_->places[slot];
+      header.msg_iovlen = 1;
+    }
+    const int count = recvmmsg(bridge_.socket, reading_->headers, RL_SLOTS, MSG_DONTWAIT, nullptr);
+    for (int slot = 0; slot < count; ++slot) {
+      const mmsghdr &header = reading_->headers[slot];
+      reading_->datagrams[slot] = {static_cast<const uint8_t *>(reading_->places[slot].iov_base), header.msg_len};
+    }
+    return count > 0 ? static_cast<uint32_t>(count) : 0;
+  }
+
+  int handle(const rl_datagram *datagrams, uint32_t size) {
+    const int64_t began = monotonic_ns();
+    Burst burst;
+    burst.datagrams = datagrams;
+    burst.size = size;
+    clock_gettime(CLOCK_REALTIME, &burst.arrived);
+    // The seconds of builtin_interfaces/Time have 32 bits; Python says what is done beyond.
+    const bool native = burst.arrived.tv_sec >= 0 && burst.arrived.tv_sec <= INT32_MAX;
+    for (uint32_t index = 0; index < size; ++index) {
+      rl_row *row = native ? row_of(datagrams[index]) : nullptr;
+      if (row == nullptr || !publish(*row, datagrams[index], burst)) {
+        burst.handed_over_rows[burst.n_handed_over] = row != nullptr ? row->number : 0;
+        burst.handed_over[burst.n_handed_over++] = datagrams[index];
+        if (row == nullptr || !row->at_once) continue;
+        if (const int ended = hand_over(burst)) return ended;
+        continue;
+      }
+      burst.forward[index] = load(row->forward);
+      add(row->handled, 1);
+      ++handled_;
+    }
+    flush();
+    if (const int ended = forward(burst)) return ended;
+    if (handled_ != 0) note_latency(began);
+    if (const int ended = hand_over(burst)) return ended;
+    if (const int ended = tell_unpublished()) return ended;
+    if (began < next_tick_) return 0;
+    next_tick_ = began + TICK_NS;
+    return bridge_.calls.handle(nullptr, 0);
+  }
+
+  // The row of a datagram that is exactly an envelope with one payload; else null. `payload_` is then the payload.
+  rl_row *row_of(const rl_datagram &datagram) {
+    const uint8_t *at = datagram.data, *const end = at + datagram.size;
+    uint32_t tag = 0, size = 0;
+    if (datagram.size >= bridge_.largest) return nullptr;  // it may have been longer
+    if (!varint(at, end, &tag) || (tag & 7) != DELIMITED) return nullptr;
+    rl_row *const last = bridge_.rows + bridge_.n_rows;
+    rl_row *row = std::lower_bound(bridge_.rows, last, tag >> 3,
+                                   [](const rl_row &one, uint32_t number) { return one.number < number; });
+    if (row == last || row->number != tag >> 3) return nullptr;
+    if (!varint(at, end, &size) || size != static_cast<size_t>(end - at)) return nullptr;
+    payload_ = at;
+    payload_size_ = size;
+    return row;
+  }
+
+  // Publishes the payload on all topics of its row. Returns false, without having published anything, if the datagram
+  // has to be handed over.
+  bool publish(const rl_row &row, const rl_datagram &datagram, const Burst &burst) {
+    if (!load(row.native) || datagram.size > load(row.longest)) return false;
+    // The messages of a topic keep their order.
+    const uint32_t *const others = burst.handed_over_rows, *const end = others + burst.n_handed_over;
+    if (std::find(others, end, row.number) != end) return false;
+    size_t used = 0;
+    for (uint32_t index = row.first_topic; index < row.first_topic + row.topics; ++index) {
+      const bool is_wanted = wanted(bridge_.topics[index]);
+      // The row's own message is translated in any case: a value that does not fit is told.
+      if (!is_wanted && index != row.first_topic) {
+        sizes_[index - row.first_topic] = 0;
+        continue;
+      }
+      size_t size = MESSAGE_ROOM - used;
+      if (size < 8) return false;
+      if (rl_to_cdr(bridge_.table, bridge_.topics[index].translation, bridge_.workspace, payload_, payload_size_,
+                    static_cast<int32_t>(burst.arrived.tv_sec), static_cast<uint32_t>(burst.arrived.tv_nsec),
+                    messages_.get() + used, &size) != RL_OK)
+        return false;
+      sizes_[index - row.first_topic] = is_wanted ? size : 0;
+      if (index == row.first_topic && !is_wanted) add(bridge_.topics[index].published, 1);
+      if (is_wanted) used += (size + 7) & ~size_t{7};
+    }
+    used = 0;
+    for (uint32_t index = row.first_topic; index < row.first_topic + row.topics; ++index) {
+      const size_t size = sizes_[index - row.first_topic];
+      if (size == 0) continue;
+      rl_topic &topic = bridge_.topics[index];
+      if (write(topic, messages_.get() + used, size)) add(topic.published, 1);
+      else note_unpublished(index);
+      used += (size + 7) & ~size_t{7};
+    }
+    return true;
+  }
+
+  bool wanted(const rl_topic &topic) const {
+    if (load(topic.wanted)) return true;
+    if (topic.publisher == nullptr) return false;
+    size_t count = 0;
+    return bridge_.middleware.count_subscriptions(topic.publisher, &count) == 0 && count > 0;
+  }
+
+  // Publishes a serialized message; the bytes behind it, up to a multiple of eight, may be changed.
+  bool write(rl_topic &topic, uint8_t *message, size_t size) {
+    if (topic.publisher == nullptr) {
+      const size_t whole = (size + 3) & ~size_t{3};  // Cyclone DDS takes multiples of four
+      std::fill(message + size, message + whole, uint8_t{0});
+      const iovec place = {message, whole};
+      void *serdata = bridge_.middleware.serdata(topic.sertype, SDK_DATA, 1, &place, whole);
+      if (serdata == nullptr) return false;
+      note_touched(topic.writer);
+      return bridge_.middleware.write(topic.writer, serdata) == 0;
+    }
+    const int64_t began = monotonic_ns();
+    if (began < topic.paused_until) return false;
+    rl_rcl_message serialized = {message, size, size, {}};
+    if (bridge_.middleware.publish(topic.publisher, &serialized, nullptr) == 0) return true;
+    const int64_t now = monotonic_ns();
+    topic.paused_until = now + PAUSE * (now - began);
+    return false;
+  }
+
+  // Cyclone DDS collects what is written, and sends one packet for the whole burst.
+  void note_touched(int32_t writer) {
+    if (std::find(touched_, touched_ + n_touched_, writer) != touched_ + n_touched_) return;
+    touched_[n_touched_++] = writer;
+  }
+
+  void flush() {
+    for (uint32_t index = 0; index < n_touched_; ++index) bridge_.middleware.flush(touched_[index]);
+    n_touched_ = 0;
+  }
+
+  void note_unpublished(uint32_t topic) {
+    unpublished_[n_unpublished_++] = topic;
+  }
+
+  int tell_unpublished() {
+    for (uint32_t index = 0; index < n_unpublished_; ++index)
+      if (const int ended = bridge_.calls.not_published(unpublished_[index])) return ended;
+    n_unpublished_ = 0;
+    return 0;
+  }
+
+  int hand_over(Burst &burst) {
+    if (burst.n_handed_over == 0) return 0;
+    flush();
+    const uint32_t count = burst.n_handed_over;
+    burst.n_handed_over = 0;
+    return bridge_.calls.handle(burst.handed_over, count);
+  }
+
+  int forward(const Burst &burst) {
+    for (uint32_t index = 0; index < bridge_.n_destinations; ++index) {
+      rl_destination &destination = bridge_.destinations[index];
+      rl_datagram chosen[RL_BURST];
+      uint32_t count = 0;
+      for (uint32_t other = 0; other < burst.size; ++other)
+        if (burst.forward[other] >> index & 1) chosen[count++] = burst.datagrams[other];
+      for (uint32_t done = 0; done < count;) {
+        const uint32_t sent = send_all(load(*destination.socket), destination.segments, chosen + done, count - done);
+        add(destination.forwarded, sent);
+        done += sent;
+        // Python tries to send what could not be sent, and says why.
+        if (done < count)
+          if (const int ended = bridge_.calls.send(index, chosen + done++, 1)) return ended;
+      }
+    }
+    return 0;
+  }
+
+  void note_latency(int64_t began) {
+    const double took = static_cast<double>(monotonic_ns() - began) * 1e-9;
+    const auto bucket = std::lower_bound(bridge_.bounds, bridge_.bounds + bridge_.n_bounds, took) - bridge_.bounds;
+    add(bridge_.latencies[bucket], handled_);
+    bridge_.latency_sum += took * static_cast<double>(handled_);
+    add(bridge_.received, handled_);
+    handled_ = 0;
+  }
+
+  static constexpr uint32_t TOPICS = 64;                 // of one row, at most
+  static constexpr uint32_t WRITES = RL_BURST * TOPICS;  // of one burst, at most
+
+  rl_bridge &bridge_;
+  std::unique_ptr<uint8_t[]> bytes_, messages_;
+  std::unique_ptr<Reading> reading_;
+  const uint8_t *payload_ = nullptr;
+  size_t payload_size_ = 0;
+  size_t sizes_[TOPICS] = {};
+  int32_t touched_[WRITES] = {};
+  uint32_t n_touched_ = 0;
+  uint32_t unpublished_[WRITES] = {};
+  uint32_t n_unpublished_ = 0;
+  uint64_t handled_ = 0;
+  int64_t next_tick_ = 0;
+};
+
+}  // namespace
+}  // namespace roverlink
+
+extern "C" {
+
+int rl_check_bridge(const rl_bridge *bridge) {
+  if (bridge->n_bounds >= RL_BUCKETS || bridge->n_destinations > 64) return RL_WRONG_TABLE;
+  for (uint32_t index = 0; index < bridge->n_topics; ++index)
+    if (bridge->topics[index].translation >= bridge->table->n_translations) return RL_WRONG_TABLE;
+  for (uint32_t index = 0; index < bridge->n_rows; ++index) {
+    const rl_row &row = bridge->rows[index];
+    if (row.topics > 64 || row.first_topic > bridge->n_topics || row.topics > bridge->n_topics - row.first_topic)
+      return RL_WRONG_TABLE;
+    if (bridge->n_destinations < 64 && row.forward >> bridge->n_destinations != 0) return RL_WRONG_TABLE;
+  }
+  return RL_OK;
+}
+
+int rl_receive(rl_bridge *bridge) { return roverlink::Loop(*bridge).run(); }
+
+}  // extern "C"

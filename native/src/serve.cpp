@@ -1,0 +1,142 @@
+// The way of messages from topics to peers.
+#include <algorithm>
+#include <memory>
+#include <new>
+
+#include "frame.hpp"
+#include "roverlink/bridge.h"
+#include "sending.hpp"
+#include "shared_counts.hpp"
+#include "times.hpp"
+
+namespace roverlink {
+namespace {
+
+constexpr uint32_t MOST = 64;        // messages taken at a time; the same numbers as in middleware/serving.py
+constexpr uint32_t MOST_BEHIND = 8;  // the same for a topic of low priority: urgent topics wait until these are handled
+constexpr uint32_t TOPICS = 256;
+constexpr uint32_t EVERYTHING = 0x7f;     // DDS_ANY_STATE
+constexpr int64_t NEVER = INT64_MAX;      // DDS_INFINITY
+constexpr size_t ROOM = size_t{1} << 20;  // for the datagrams of a batch, and for one message
+constexpr size_t HEADER = 10;             // bytes of the envelope before the payload, at most
+
+uint8_t *write_varint_before(uint8_t *end, uint64_t value) {
+  uint8_t digits[10];
+  size_t count = 0;
+  do {
+    digits[count] = static_cast<uint8_t>((value & 0x7f) | (value > 0x7f ? 0x80 : 0));
+    value >>= 7;
+    ++count;
+  } while (value != 0);
+  return std::copy(digits, digits + count, end - count) - count;
+}
+
+// One call of `rl_serve`.
+class Server {
+ public:
+  explicit Server(rl_server &server)
+      : server_(server), message_(new (std::nothrow) uint8_t[ROOM]), out_(new (std::nothrow) uint8_t[ROOM]) {}
+
+  int run() {
+    if (message_ == nullptr || out_ == nullptr || server_.n_topics > TOPICS) return -1;
+    intptr_t triggered[TOPICS + 1];
+    while (!load(server_.stopping)) {
+      const int32_t count = server_.reading.wait(server_.waitset, triggered, TOPICS + 1, NEVER);
+      if (count < 0) return -1;
+      std::sort(triggered, triggered + count);  // the most urgent first
+      if (const int ended = serve_ready(triggered, triggered + count)) return ended;
+    }
+    return 0;
+  }
+
+ private:
+  // As `serve` in middleware/serving.py: before each further topic, all that are more urgent are served again.
+  int serve_ready(const intptr_t *first, const intptr_t *last) {
+    bool took_time = false;
+    for (const intptr_t *ready = first; ready < last; ++ready) {
+      if (*ready < 0) continue;
+      const auto topic = static_cast<uint32_t>(*ready);
+      uint32_t urgent = 0;
+      while (server_.priorities[urgent] > server_.priorities[topic]) ++urgent;
+      for (uint32_t other = 0; took_time && other < urgent; ++other)
+        if (const int ended = serve(other, MOST_BEHIND)) return ended;
+      if (const int ended = serve(topic, urgent != 0 ? MOST_BEHIND : MOST)) return ended;
+      took_time = true;
+    }
+    return 0;
+  }
+
+  int serve(uint32_t index, uint32_t most) {
+    if (load(server_.stopping)) return 0;
+    rl_subscription *topic = server_.topics[index];
+    if (topic == nullptr || !load(topic->native)) return server_.calls.serve(index, most);
+    void *samples[MOST] = {};
+    rl_sample_info infos[MOST];
+    const int32_t count = server_.reading.take(topic->reader, samples, most, infos, EVERYTHING);
+    int ended = 0;
+    for (int32_t one = 0; one < count; ++one) {
+      // A sample without valid data says that an instance was disposed; ROS topics have no instances.
+      if (ended == 0 && infos[one].valid_data) ended = handle(index, *topic, samples[one]);
+      server_.reading.unref(samples[one]);
+    }
+    // Python reads again, and raises the error.
+    if (count < 0) return server_.calls.serve(index, most);
+    return ended != 0 ? ended : send(index, *topic);
+  }
+
+  int handle(uint32_t index, rl_subscription &topic, const void *sample) {
+    const size_t size = server_.reading.size(sample);
+    if (size <= ROOM) {
+      server_.reading.bytes(sample, 0, size, message_.get());
+      if (free_ < ROOM / 2 || n_datagrams_ == MOST)
+        if (const int ended = send(index, topic)) return ended;
+      size_t written = free_ - HEADER;
+      if (rl_to_proto(server_.table, topic.translation, server_.workspace, message_.get(), size,
+                      out_.get() + HEADER, &written) == RL_OK) {
+        uint8_t *const end = out_.get() + free_;
+        uint8_t *begin = write_varint_before(end - written, written);
+        begin = write_varint_before(begin, uint64_t{topic.number} << 3 | DELIMITED);
+        datagrams_[n_datagrams_++] = {begin, static_cast<size_t>(end - begin)};
+        free_ = static_cast<size_t>(begin - out_.get());
+        add(topic.taken, 1);
+        return 0;
+      }
+    }
+    if (const int ended = send(index, topic)) return ended;
+    std::unique_ptr<uint8_t[]> whole;
+    if (size > ROOM) {
+      whole.reset(new (std::nothrow) uint8_t[size]);
+      if (whole == nullptr) return -1;
+      server_.reading.bytes(sample, 0, size, whole.get());
+    }
+    const rl_datagram message = {whole != nullptr ? whole.get() : message_.get(), size};
+    return server_.calls.take(index, &message);
+  }
+
+  // Sends the datagrams that have been made.
+  int send(uint32_t index, rl_subscription &topic) {
+    for (uint32_t done = 0; done < n_datagrams_;) {
+      const int32_t socket = load(topic.native) ? load(*topic.socket) : -1;
+      const uint32_t sent = send_all(socket, topic.segments, datagrams_ + done, n_datagrams_ - done);
+      if (sent != 0) store(topic.sent_at, monotonic_ns());
+      add(topic.sent, sent);
+      done += sent;
+      if (done < n_datagrams_)
+        if (const int ended = server_.calls.send(index, datagrams_ + done++)) return ended;
+    }
+    n_datagrams_ = 0;
+    free_ = ROOM;
+    return 0;
+  }
+
+  rl_server &server_;
+  std::unique_ptr<uint8_t[]> message_, out_;
+  rl_datagram datagrams_[MOST] = {};
+  uint32_t n_datagrams_ = 0;
+  size_t free_ = ROOM;  // bytes of `out_` before the datagrams
+};
+
+}  // namespace
+}  // namespace roverlink
+
+extern "C" int rl_serve(rl_server *server) { return roverlink::Server(*server).run(); }

@@ -1,0 +1,149 @@
+"""The structs of native/include/roverlink/bridge.h, with the same names. The header says what their members are."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+from roverlink.runtime.native.layout import Table
+
+BUCKETS = 16
+DESTINATIONS = 64
+"""Largest number of destinations of a bridge."""
+
+
+def _words(*names: str) -> tuple[tuple[str, Any], ...]:
+    return tuple((name, ctypes.c_uint32) for name in names)
+
+
+class Datagram(ctypes.Structure):
+    """Bytes that have arrived."""
+
+    _fields_ = (("data", ctypes.c_void_p), ("size", ctypes.c_size_t))
+
+
+def bytes_of(datagram: Datagram) -> bytes:
+    """Return a copy of the bytes."""
+    return ctypes.string_at(datagram.data, datagram.size)
+
+
+class MiddlewareFunctions(ctypes.Structure):
+    """Addresses of functions of the middleware's library: those of Cyclone DDS, or those of rcl."""
+
+    _fields_ = tuple(
+        (name, ctypes.c_void_p) for name in ("serdata", "write", "flush", "publish", "count_subscriptions")
+    )
+
+
+class Topic(ctypes.Structure):
+    """Topic on which a row's payloads are published."""
+
+    _fields_ = (
+        *_words("translation", "wanted"),
+        ("writer", ctypes.c_int32),
+        *_words("unused"),
+        ("sertype", ctypes.c_void_p),
+        ("publisher", ctypes.c_void_p),
+        ("paused_until", ctypes.c_int64),
+        ("published", ctypes.c_uint64),
+    )
+
+
+class Row(ctypes.Structure):
+    """Inbound row, or the link message."""
+
+    _fields_ = (
+        *_words("number", "native", "at_once", "first_topic", "topics", "longest"),
+        ("forward", ctypes.c_uint64),
+        ("handled", ctypes.c_uint64),
+    )
+
+
+class Destination(ctypes.Structure):
+    """End of the link to which datagrams are forwarded."""
+
+    _fields_ = (
+        ("socket", ctypes.POINTER(ctypes.c_int32)),
+        ("forwarded", ctypes.c_uint64),
+        *_words("segments", "unused"),
+    )
+
+
+Handle = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(Datagram), ctypes.c_uint32)
+NotPublished = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32)
+Send = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram), ctypes.c_uint32)
+
+
+class Calls(ctypes.Structure):
+    """Calls of Python."""
+
+    _fields_ = (("handle", Handle), ("not_published", NotPublished), ("send", Send))
+
+
+class Bridge(ctypes.Structure):
+    """All that the receiving thread needs."""
+
+    _fields_ = (
+        ("table", ctypes.POINTER(Table)),
+        ("workspace", ctypes.c_void_p),
+        ("topics", ctypes.POINTER(Topic)),
+        ("rows", ctypes.POINTER(Row)),
+        ("destinations", ctypes.POINTER(Destination)),
+        ("middleware", MiddlewareFunctions),
+        ("calls", Calls),
+        ("bounds", ctypes.POINTER(ctypes.c_double)),
+        ("latencies", ctypes.c_uint64 * BUCKETS),
+        ("latency_sum", ctypes.c_double),
+        ("received", ctypes.c_uint64),
+        *_words("n_topics", "n_rows", "n_destinations", "n_bounds"),
+        ("socket", ctypes.c_int32),
+        ("wake", ctypes.c_int32),
+        *_words("largest", "stopping"),
+    )
+
+
+class Reading(ctypes.Structure):
+    """Addresses of functions of Cyclone DDS."""
+
+    _fields_ = tuple((name, ctypes.c_void_p) for name in ("wait", "take", "size", "bytes", "unref"))
+
+
+class Subscription(ctypes.Structure):
+    """Topic whose messages go to a peer."""
+
+    _fields_ = (
+        *_words("translation", "number"),
+        ("reader", ctypes.c_int32),
+        *_words("native"),
+        ("socket", ctypes.POINTER(ctypes.c_int32)),
+        *_words("segments", "unused"),
+        ("taken", ctypes.c_uint64),
+        ("sent", ctypes.c_uint64),
+        ("sent_at", ctypes.c_int64),
+    )
+
+
+Serve = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.c_uint32)
+Pass = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram))
+
+
+class ServingCalls(ctypes.Structure):
+    """Calls of Python."""
+
+    _fields_ = (("serve", Serve), ("take", Pass), ("send", Pass))
+
+
+class Server(ctypes.Structure):
+    """All that the thread needs that takes messages from topics."""
+
+    _fields_ = (
+        ("table", ctypes.POINTER(Table)),
+        ("workspace", ctypes.c_void_p),
+        ("topics", ctypes.POINTER(ctypes.POINTER(Subscription))),
+        ("priorities", ctypes.POINTER(ctypes.c_int32)),
+        ("reading", Reading),
+        ("calls", ServingCalls),
+        *_words("n_topics"),
+        ("waitset", ctypes.c_int32),
+        *_words("stopping", "unused"),
+    )

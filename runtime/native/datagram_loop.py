@@ -1,0 +1,196 @@
+"""Reception of datagrams by the native core: from the socket to topics and to other peers without Python.
+
+`DatagramLoop` makes the structs that the core's thread works with, and takes the calls for what the core cannot do.
+The bridge decides which rows are native, and may decide anew at any time.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import socket
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler
+from roverlink.runtime.native import bridge_layout as native
+from roverlink.runtime.native.core import NativeCore, NoCoreError
+from roverlink.runtime.net.destination import Destination, can_segment
+
+ANY_LENGTH = 0xFFFFFFFF
+"""Length of the longest datagram of a row whose datagrams may have any length."""
+
+
+@runtime_checkable
+class NativePublisher(Protocol):
+    """Publisher through which the native core can publish without Python. It must outlive the core's thread."""
+
+    def lend_to(self, topic: native.Topic, functions: native.MiddlewareFunctions) -> None:
+        """Set what the core needs to publish on the topic: a part of ``topic``, and functions of the middleware.
+
+        Raises AttributeError if the middleware's library lacks one of the functions.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class InboundTopics:
+    """Inbound row with its publishers, as the native core needs them."""
+
+    handler: AnyHandler
+    publishers: Sequence[tuple[AnyHandler | AnyStandardHandler, Any]]
+    """Handler and publisher of the row's own topic, then those of its extra topics."""
+
+
+class NativeCounts(NamedTuple):
+    """Counters of the native core at one moment."""
+
+    received: int
+    """Datagrams that the core handled itself."""
+    published: Counter[str]
+    """Messages published on the rows' own topics, by row."""
+    extra_published: Counter[str]
+    """Messages published on extra topics, by topic in the table."""
+    forwarded: Sequence[int]
+    """Datagrams sent to each destination."""
+
+
+class DatagramLoop:
+    """Loop of the native core for one bridge, with its counters. One thread at a time may call `run`."""
+
+    def __init__(
+        self,
+        core: NativeCore,
+        rows: Sequence[InboundTopics],
+        destinations: Sequence[Destination],
+        at_once: Sequence[int],
+        bounds: Sequence[float],
+    ) -> None:
+        """Prepare the loop; no row is native yet (see `rows`).
+
+        Datagrams with the payload numbers ``at_once`` are handed over before any later one is handled. ``bounds`` are
+        those of the histogram of handling times, in seconds.
+        """
+        self._core, self._destinations = core, destinations
+        self.reasons: dict[str, str] = {}
+        """Reason why Python translates the datagrams of a row, by the row's name."""
+        able = [row for row in rows if self._is_able(row)]
+        self._topics = [handler for row in able for handler, _ in row.publishers]
+        self._own = {id(row.handler) for row in able}
+        self._topic_structs = (native.Topic * len(self._topics))()
+        numbered = {number: native.Row(number=number, at_once=1, longest=ANY_LENGTH) for number in at_once}
+        functions, first = native.MiddlewareFunctions(), 0
+        for row in able:
+            number = row.handler.route.number
+            numbered[number] = native.Row(number=number, first_topic=first, topics=len(row.publishers))
+            for index, (handler, publisher) in enumerate(row.publishers, first):
+                self._topic_structs[index].translation = core.index_of(handler)
+                publisher.lend_to(self._topic_structs[index], functions)
+                if handler.route.qos.durability == "transient_local":  # for subscribers that come later
+                    self._topic_structs[index].wanted = True
+            first += len(row.publishers)
+        self._row_structs = (native.Row * len(numbered))(*(numbered[number] for number in sorted(numbered)))
+        names = {row.handler.route.number: row.handler.route.name for row in able}
+        self.rows = {names[row.number]: row for row in self._row_structs if row.number in names}
+        """Struct of each row that the core can translate, by the row's name. Its ``native`` says whether it does."""
+        self._destination_structs = (native.Destination * len(destinations))(
+            *(
+                native.Destination(socket=ctypes.pointer(one.connected_socket), segments=can_segment())
+                for one in destinations
+            )
+        )
+        self._bounds = (ctypes.c_double * len(bounds))(*bounds)
+        self._failure: BaseException | None = None
+        self._bridge = native.Bridge(
+            table=ctypes.pointer(core.table),
+            workspace=core.new_workspace(),
+            topics=self._topic_structs,
+            rows=self._row_structs,
+            destinations=self._destination_structs,
+            middleware=functions,
+            bounds=self._bounds,
+            n_topics=len(self._topics),
+            n_rows=len(self._row_structs),
+            n_destinations=len(destinations),
+            n_bounds=len(bounds),
+        )
+
+        if core.library.rl_check_bridge(ctypes.byref(self._bridge)):
+            raise NoCoreError("the native library refuses the bridge; report this as a bug of roverlink")
+
+    def _is_able(self, row: InboundTopics) -> bool:
+        """Return true if the core can translate a row; else store the reason."""
+        route = row.handler.route
+        for handler, publisher in row.publishers:
+            if reason := self._core.reason(handler):
+                self.reasons[route.name] = f"{handler.route.topic}: {reason}"
+            elif not isinstance(publisher, NativePublisher):
+                self.reasons[route.name] = f"{handler.route.topic}: its messages pass through Python"
+        if route.max_rate is not None:
+            self.reasons[route.name] = "max_rate"
+        return route.name not in self.reasons
+
+    def open(
+        self,
+        sock: socket.socket,
+        wake: socket.socket,
+        largest: int,
+        handle: Callable[[list[bytes]], None],
+        not_published: Callable[[AnyHandler | AnyStandardHandler], None],
+        send: Callable[[Destination, list[bytes]], None],
+    ) -> None:
+        """Read from ``sock``, at most ``largest`` bytes of a datagram; data on ``wake`` ends the wait for datagrams.
+
+        ``handle`` gets the datagrams that the core does not handle, and nothing once in two seconds.
+        ``not_published`` gets the handler of a message that the middleware has not accepted. ``send`` gets the
+        datagrams that the core cannot send.
+        """
+        topics, destinations = self._topics, self._destinations
+
+        def guarded(call: Callable[..., None], *arguments: Any) -> int:
+            try:
+                call(*arguments)
+            except BaseException as failure:  # noqa: BLE001  # `run` raises it
+                self._failure = failure
+                return 1
+            return 0
+
+        self._bridge.calls = native.Calls(
+            native.Handle(lambda datagrams, count: guarded(handle, _bytes(datagrams, count))),
+            native.NotPublished(lambda topic: guarded(not_published, topics[topic])),
+            native.Send(lambda index, datagrams, count: guarded(send, destinations[index], _bytes(datagrams, count))),
+        )
+        self._bridge.socket, self._bridge.wake, self._bridge.largest = sock.fileno(), wake.fileno(), largest
+
+    def run(self) -> None:
+        """Handle datagrams until `stop` is called. Raises what a function of `open` raised."""
+        if self._core.library.rl_receive(ctypes.byref(self._bridge)) and self._failure is not None:
+            raise self._failure
+
+    def stop(self, *, stopping: bool = True) -> None:
+        """Make `run` return, with data on ``wake`` at once. With ``stopping`` false, let it run again."""
+        self._bridge.stopping = stopping
+
+    def counts(self) -> NativeCounts:
+        """Return the counters."""
+        published: Counter[str] = Counter()
+        extra: Counter[str] = Counter()
+        for handler, struct in zip(self._topics, self._topic_structs):
+            if id(handler) in self._own:
+                published[handler.route.name] += struct.published
+            else:
+                extra[handler.route.topic] += struct.published
+        return NativeCounts(
+            self._bridge.received,
+            published,
+            extra,
+            [destination.forwarded for destination in self._destination_structs],
+        )
+
+    def latencies(self) -> tuple[Sequence[int], float]:
+        """Return the histogram of the handling times, and the sum of all times in seconds."""
+        return self._bridge.latencies[: len(self._bounds) + 1], self._bridge.latency_sum
+
+
+def _bytes(datagrams: Any, count: int) -> list[bytes]:
+    return [native.bytes_of(datagrams[index]) for index in range(count)]

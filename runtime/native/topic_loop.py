@@ -1,0 +1,98 @@
+"""Serving of subscribed topics by the native core: from topics to peers without Python, in the order of priorities."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from roverlink.runtime.native import bridge_layout as native
+from roverlink.runtime.native.core import NativeCore
+
+
+class LentTopic(NamedTuple):
+    """Topic whose messages the native core takes and sends."""
+
+    struct: native.Subscription
+    send: Callable[[bytes], None]
+    """Function that sends a datagram that the core could not send."""
+
+
+class Topic(Protocol):
+    """Subscribed topic of a middleware."""
+
+    @property
+    def callback(self) -> Callable[[Sequence[bytes]], None]:
+        """Function that gets the messages that the core has taken but cannot convert."""
+
+    @property
+    def priority(self) -> int:
+        """Priority; topics with larger numbers are served first."""
+
+    @property
+    def lent(self) -> LentTopic | None:
+        """The topic as the core serves it; None if Python takes its messages."""
+
+    def serve(self, most: int) -> None:
+        """Take at most ``most`` messages in Python, and handle them."""
+
+
+class TopicLoop:
+    """Loop of the native core that takes the messages of topics."""
+
+    def __init__(self, core: NativeCore, reading: native.Reading) -> None:
+        """Take messages with the functions ``reading`` of the middleware."""
+        self._core, self._reading = core, reading
+        self._workspace = core.new_workspace()
+        self._topics: Sequence[Topic] = ()
+        self._failure: BaseException | None = None
+        self._calls = native.ServingCalls(
+            native.Serve(lambda index, most: self._guarded(self._topics[index].serve, most)),
+            native.Pass(lambda index, one: self._guarded(self._topics[index].callback, [native.bytes_of(one[0])])),
+            native.Pass(lambda index, one: self._guarded(self._send, index, native.bytes_of(one[0]))),
+        )
+        self._server = native.Server()
+
+    def prepare(self, topics: Sequence[Topic]) -> None:
+        """Serve these topics at the next `run`, the most urgent first."""
+        structs = (ctypes.POINTER(native.Subscription) * len(topics))()
+        for index, topic in enumerate(topics):
+            if topic.lent is not None:
+                structs[index] = ctypes.pointer(topic.lent.struct)
+        self._topics = topics
+        self._server = native.Server(
+            table=ctypes.pointer(self._core.table),
+            workspace=self._workspace,
+            topics=structs,
+            priorities=(ctypes.c_int32 * len(topics))(*(topic.priority for topic in topics)),
+            reading=self._reading,
+            calls=self._calls,
+            n_topics=len(topics),
+        )
+
+    def run(self, waitset: int) -> None:
+        """Serve the topics until `stop` is called. Raises what a callback raised.
+
+        What triggers ``waitset`` is the index of a topic; -1 only wakes the loop.
+        """
+        self._server.waitset = waitset
+        self._core.library.rl_serve(ctypes.byref(self._server))
+        if self._failure is not None:
+            raise self._failure
+
+    def stop(self) -> None:
+        """Make `run` return after the wait set was triggered. Undone by `prepare`."""
+        self._server.stopping = True
+
+    def _send(self, index: int, datagram: bytes) -> None:
+        lent = self._topics[index].lent
+        if lent is not None:
+            lent.send(datagram)
+
+    def _guarded(self, call: Callable[..., None], *arguments: Any) -> int:
+        try:
+            call(*arguments)
+        except BaseException as failure:  # noqa: BLE001  # `run` raises it
+            self._failure = failure
+            return 1
+        return 0

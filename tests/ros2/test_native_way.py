@@ -1,0 +1,111 @@
+"""The native core as the bridge uses it, beside Python's way: the same arrives, and the same is counted."""
+
+from __future__ import annotations
+
+import logging
+import socket
+from collections.abc import Sequence
+from importlib.util import find_spec
+from typing import Any
+
+import pytest
+from needs import NO_DDS, NO_RCLPY, needs_native
+from polling import wait_until
+
+from generated.registry import REGISTRY
+from roverlink.runtime import Bridge, Qos
+from roverlink.runtime.core.handler import UNSTAMPED
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.ros_arguments import parameters
+
+pytestmark = needs_native
+
+_INBOUND = [handler for handler in REGISTRY.handlers if handler.route.inbound]
+_EXTRA = "pressure/temperature"
+_TARGET = REGISTRY.by_name["arm_target"]
+
+
+def _envelope(**payloads: Any) -> bytes:
+    return bytes(REGISTRY.envelope(**payloads).SerializeToString())
+
+
+_PRESSURES = [_envelope(pressure_info={"temperature_c": 20.5 + number}) for number in range(20)]
+_DATAGRAMS = [
+    *(_envelope(**{handler.route.name: {}}) for handler in _INBOUND),
+    *_PRESSURES,
+    b"",
+    b"\xff",
+    _envelope(drive_motor={}),
+    _envelope(imu_info={})[:1],
+    _PRESSURES[0] + bytes(3),
+    _PRESSURES[0] + b"\xf8\x07\x01",  # and field 127, which nobody knows
+    _PRESSURES[0] + _envelope(ph_info={}),
+    b"\xda\x07\x00",  # payload 123 of no row
+    _PRESSURES[0] + bytes(3000),
+]
+
+
+@pytest.fixture(autouse=True)
+def _installed(middleware: str, environment: dict[str, str]) -> None:
+    """Skip the middlewares that are not installed."""
+    package, reason = {"dds": ("cyclonedds", NO_DDS), "rclpy": ("rclpy", NO_RCLPY)}[middleware]
+    if not find_spec(package):
+        pytest.skip(reason)
+
+
+def _waiting(sock: socket.socket, count: int) -> list[bytes]:
+    sock.settimeout(30)
+    return sorted(sock.recv(65_536) for _ in range(count))
+
+
+def _bridged(middleware: str, native: bool, policy: str, caplog: pytest.LogCaptureFixture) -> Sequence[Any]:
+    """What arrives on two topics and at both peers, and what is counted."""
+    peers = {name: socket.socket(type=socket.SOCK_DGRAM) for name in ("hardware", "basestation")}
+    ports = {"hardware": "dst_b_port", "basestation": "dst_a_port"}
+    for sock in peers.values():
+        sock.bind(("127.0.0.1", 0))
+    given = {ports[name]: sock.getsockname()[1] for name, sock in peers.items()}
+    given |= {"listen_port": 0, "listen_address": "127.0.0.1", "native_core": native, "forward_policy": policy}
+    settings = parameters.read(REGISTRY, given)
+    arrived: dict[str, list[bytes]] = {"pressure_info": [], _EXTRA: []}
+    types = {handler.route.topic: handler.message_type for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics)}
+    caplog.clear()
+    with open_middleware("dds", NodeIdentity("observer")) as observer:
+        node = open_middleware(middleware, NodeIdentity("bridge"))
+        bridge = Bridge(REGISTRY, settings, node, lambda topic: f"/{topic}", logging.getLogger("native_way"))
+        with bridge:
+            for topic, messages in arrived.items():
+                observer.subscribe(f"/{topic}", types[topic], Qos(depth=100), messages.extend)
+            command = observer.publisher(f"/{_TARGET.route.topic}", _TARGET.message_type, Qos(depth=100))
+            for topic in arrived:
+                wait_until(lambda topic=topic: node.endpoints(f"/{topic}", publishing=False), topic)  # type: ignore[misc]
+            wait_until(command.has_subscribers, "the bridge")
+            board = peers["hardware"]
+            for count, datagram in enumerate(_DATAGRAMS, 1):
+                board.sendto(datagram, ("127.0.0.1", bridge.port))
+                wait_until(lambda count=count: bridge.account.received >= count, f"{count} datagrams")  # type: ignore[misc]
+            for _ in range(5):
+                command.publish([_TARGET.to_cdr(_TARGET.payload_type(), UNSTAMPED)])
+            wait_until(lambda: bridge.account.sent["arm_target"] == 5, "five commands")
+            wait_until(lambda: len(arrived[_EXTRA]) >= len(_PRESSURES), "all pressures")
+            counted = bridge.account.as_dict()
+            forwarded = {name: _waiting(peers[name], count) for name, count in bridge.account.forwarded.items()}
+            bridge.stop()
+            bridge.run()
+    for sock in peers.values():
+        sock.close()
+    assert not bridge.account.discrepancies()
+    core = any("the native core handles" in line for line in caplog.messages)
+    assert core == native
+    return counted, {topic: [message[-16:] for message in messages] for topic, messages in arrived.items()}, forwarded
+
+
+@pytest.mark.parametrize("policy", ["mapping", "all"])
+def test_both_ways_do_the_same(middleware: str, policy: str, caplog: pytest.LogCaptureFixture) -> None:
+    """Rows, extra topics, forwards and commands; and datagrams that the core hands over, with the reasons of drops."""
+    caplog.set_level(logging.INFO)
+    found = [_bridged(middleware, native, policy, caplog) for native in (False, True)]
+    for counted, _, _ in found:
+        for own in ("stops", "unsent", "qos_mismatches"):  # of the moment
+            del counted[own]
+    assert found[0] == found[1]

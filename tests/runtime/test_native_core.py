@@ -1,0 +1,116 @@
+"""The native core: what Python knows of its interface, and reasons why there is none."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import runpy
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from needs import needs_native
+
+from generated.registry import REGISTRY
+from roverlink.runtime.native import core, layout
+from roverlink.runtime.native.operations import PRIMITIVES
+
+_ROOT = Path(__file__).parents[2]
+_HEADER = _ROOT / "native" / "include" / "roverlink" / "native.h"
+_TYPES = {
+    "uint8_t": ctypes.c_uint8,
+    "uint16_t": ctypes.c_uint16,
+    "uint32_t": ctypes.c_uint32,
+    "int64_t": ctypes.c_int64,
+    "uint64_t": ctypes.c_uint64,
+    "double": ctypes.c_double,
+}
+_ENUMS = {
+    "rl_code": layout.Code,
+    "rl_op_flag": layout.Flag,
+    "rl_field_flag": layout.FieldFlag,
+    "rl_number": layout.Number,
+    "rl_expression_flag": layout.ExpressionFlag,
+}
+
+
+def _header() -> str:
+    return re.sub(r"/\*.*?\*/", "", _HEADER.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+def test_python_describes_the_interface_that_the_header_declares() -> None:
+    """The same names, the same numbers, the same members of structs."""
+    header = _header()
+    assert int(re.search(r"RL_INTERFACE (\d+)", header)[1]) == layout.INTERFACE  # type: ignore[index]
+    for name, enum in _ENUMS.items():
+        declared, number = {}, 0
+        for one in re.search(rf"enum {name} {{(.*?)}}", header, re.DOTALL)[1].split(","):  # type: ignore[index]
+            if one.strip():
+                key, _, value = one.partition("=")
+                number = int(value) if value else number
+                declared[key.strip().removeprefix("RL_")] = number
+                number += 1
+        last = max(declared, key=lambda key: declared[key])
+        if last.endswith("S") and last not in enum.__members__:
+            del declared[last]  # the number of values
+        assert declared == {one.name: one.value for one in enum}, name
+    (primitives,) = re.findall(r"enum rl_primitive {(.*?) RL_PRIMITIVES", header.replace("\n", " "))
+    assert [one.strip().removeprefix("RL_").lower() for one in primitives.split(",")][:-1] == list(PRIMITIVES)
+    structs = re.findall(r"typedef struct (rl_\w+) {(.*?)} \1;", header, re.DOTALL)
+    assert len(structs) == 7
+    for name, body in structs:
+        members = []
+        for type_name, names in re.findall(r"(?:const )?(\w+)\s+([^;]+);", body):
+            for member in names.split(","):
+                pointer = member.strip().startswith("*")
+                pointed = _TYPES.get(type_name) or getattr(layout, type_name.removeprefix("rl_").capitalize())
+                members.append((member.strip(" *"), ctypes.POINTER(pointed) if pointer else pointed))
+        assert members == list(getattr(layout, name.removeprefix("rl_").capitalize())._fields_), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compiler", ["g++", "clang++"])
+def test_compilers_have_nothing_to_say(compiler: str) -> None:
+    """With all the warnings that the build asks for."""
+    if shutil.which(compiler) is None:
+        pytest.skip(f"need {compiler} (apt-get install g++ clang)")
+    flags = runpy.run_path(str(_ROOT / "hatch_build.py"))["FLAGS"].split()
+    sources = sorted(_ROOT.glob("native/src/*.cpp"))
+    command = [
+        compiler,
+        *flags,
+        "-Werror",
+        "-Wno-unused-command-line-argument",
+        "-fsyntax-only",
+        f"-I{_ROOT / 'native/include'}",
+        *sources,
+    ]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@needs_native
+def test_the_sample_table_is_native() -> None:
+    """Every row and every extra topic."""
+    assert core.open_core(REGISTRY).unsupported == {}
+
+
+@needs_native
+def test_there_is_one_reason_why_there_is_no_core(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The library is missing, is none, or was built from other sources; or the generated file is not readable."""
+
+    def reason(path: Path) -> str:
+        with pytest.raises(core.NoCoreError) as raised:
+            core.load_library(path)
+        return str(raised.value)
+
+    assert reason(tmp_path / "none.so").startswith("the native library is not installed; install roverlink again")
+    (tmp_path / "text.so").write_text("no library")
+    assert "cannot be loaded" in reason(tmp_path / "text.so")
+    monkeypatch.setattr(layout, "INTERFACE", layout.INTERFACE + 1)
+    assert f"has interface {layout.INTERFACE - 1}, not {layout.INTERFACE}; " in reason(core.LIBRARY)
+    with pytest.raises(
+        core.NoCoreError, match=r"translations.json is not that of the table .*run `roverlink generate`"
+    ):
+        core.NativeCore(REGISTRY, {"messages": {}}, ctypes.CDLL(None))
