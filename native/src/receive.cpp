@@ -8,6 +8,7 @@
 
 #include "frame.hpp"
 #include "roverlink/bridge.h"
+#include "ring.hpp"
 #include "sending.hpp"
 #include "shared_counts.hpp"
 #include "times.hpp"
@@ -156,31 +157,40 @@ class Loop {
     // The messages of a topic keep their order.
     const uint32_t *const others = burst.handed_over_rows, *const end = others + burst.n_handed_over;
     if (std::find(others, end, row.number) != end) return false;
-    size_t used = 0;
-    for (uint32_t index = row.first_topic; index < row.first_topic + row.topics; ++index) {
-      const bool is_wanted = wanted(bridge_.topics[index]);
+    size_t used = 0, observed = bridge_.observed ? room_of(datagram.size) : 0;
+    uint64_t to_write = 0;
+    for (uint32_t index = 0; index < row.topics; ++index) {
+      const rl_topic &topic = bridge_.topics[row.first_topic + index];
+      const bool is_wanted = wanted(topic);
+      sizes_[index] = 0;
       // The row's own message is translated in any case: a value that does not fit is told.
-      if (!is_wanted && index != row.first_topic) {
-        sizes_[index - row.first_topic] = 0;
-        continue;
-      }
+      if (index != 0 && !is_wanted && !topic.observed) continue;
       size_t size = MESSAGE_ROOM - used;
       if (size < 8) return false;
-      if (rl_to_cdr(bridge_.table, bridge_.topics[index].translation, bridge_.workspace, payload_, payload_size_,
+      if (rl_to_cdr(bridge_.table, topic.translation, bridge_.workspace, payload_, payload_size_,
                     static_cast<int32_t>(burst.arrived.tv_sec), static_cast<uint32_t>(burst.arrived.tv_nsec),
                     messages_.get() + used, &size) != RL_OK)
         return false;
-      sizes_[index - row.first_topic] = is_wanted ? size : 0;
-      if (index == row.first_topic && !is_wanted) add(bridge_.topics[index].published, 1);
-      if (is_wanted) used += (size + 7) & ~size_t{7};
+      sizes_[index] = size;
+      used += (size + 7) & ~size_t{7};
+      if (is_wanted) to_write |= uint64_t{1} << index;
+      if (topic.observed) observed += room_of(size);
     }
+    if (observed != 0 && !has_room(*bridge_.observers, observed)) return false;
+    const int64_t now = observed != 0 ? monotonic_ns() : 0;
+    if (bridge_.observed) put(*bridge_.observers, bridge_.n_topics, now, datagram.data, datagram.size);
     used = 0;
-    for (uint32_t index = row.first_topic; index < row.first_topic + row.topics; ++index) {
-      const size_t size = sizes_[index - row.first_topic];
+    for (uint32_t index = 0; index < row.topics; ++index) {
+      const size_t size = sizes_[index];
       if (size == 0) continue;
-      rl_topic &topic = bridge_.topics[index];
-      if (write(topic, messages_.get() + used, size)) add(topic.published, 1);
-      else note_unpublished(index);
+      rl_topic &topic = bridge_.topics[row.first_topic + index];
+      uint8_t *const message = messages_.get() + used;
+      if ((to_write >> index & 1) == 0 || write(topic, message, size)) {
+        add(topic.published, 1);
+        if (topic.observed) put(*bridge_.observers, row.first_topic + index, now, message, size);
+      } else {
+        note_unpublished(row.first_topic + index);
+      }
       used += (size + 7) & ~size_t{7};
     }
     return true;

@@ -5,6 +5,7 @@
 
 #include "frame.hpp"
 #include "roverlink/bridge.h"
+#include "ring.hpp"
 #include "sending.hpp"
 #include "shared_counts.hpp"
 #include "times.hpp"
@@ -96,10 +97,13 @@ class Server {
         uint8_t *const end = out_.get() + free_;
         uint8_t *begin = write_varint_before(end - written, written);
         begin = write_varint_before(begin, uint64_t{topic.number} << 3 | DELIMITED);
-        datagrams_[n_datagrams_++] = {begin, static_cast<size_t>(end - begin)};
-        free_ = static_cast<size_t>(begin - out_.get());
-        add(topic.taken, 1);
-        return 0;
+        const auto made = static_cast<size_t>(end - begin);
+        if (observe(index, topic, size, made)) {
+          datagrams_[n_datagrams_++] = {begin, made};
+          free_ = static_cast<size_t>(begin - out_.get());
+          add(topic.taken, 1);
+          return 0;
+        }
       }
     }
     if (const int ended = send(index, topic)) return ended;
@@ -113,6 +117,17 @@ class Server {
     return server_.calls.take(index, &message);
   }
 
+  // Copies the message to the observers. Returns false if they have no room for it, or for its datagram.
+  bool observe(uint32_t index, const rl_subscription &topic, size_t size, size_t made) {
+    const size_t datagram = (topic.observed & 2) != 0 ? room_of(made) : 0;
+    const size_t message = (topic.observed & 1) != 0 ? room_of(size) : 0;
+    if (message + datagram == 0) return true;
+    if (!has_room(*server_.observers, reserved_ + message + datagram)) return false;
+    if (message != 0) put(*server_.observers, 2 * index, monotonic_ns(), message_.get(), size);
+    reserved_ += datagram;  // which is copied when it has been sent
+    return true;
+  }
+
   // Sends the datagrams that have been made.
   int send(uint32_t index, rl_subscription &topic) {
     for (uint32_t done = 0; done < n_datagrams_;) {
@@ -120,12 +135,15 @@ class Server {
       const uint32_t sent = send_all(socket, topic.segments, datagrams_ + done, n_datagrams_ - done);
       if (sent != 0) store(topic.sent_at, monotonic_ns());
       add(topic.sent, sent);
+      for (uint32_t one = done; (topic.observed & 2) != 0 && one < done + sent; ++one)
+        put(*server_.observers, 2 * index + 1, topic.sent_at, datagrams_[one].data, datagrams_[one].size);
       done += sent;
       if (done < n_datagrams_)
         if (const int ended = server_.calls.send(index, datagrams_ + done++)) return ended;
     }
     n_datagrams_ = 0;
     free_ = ROOM;
+    reserved_ = 0;
     return 0;
   }
 
@@ -134,6 +152,7 @@ class Server {
   rl_datagram datagrams_[MOST] = {};
   uint32_t n_datagrams_ = 0;
   size_t free_ = ROOM;  // bytes of `out_` before the datagrams
+  size_t reserved_ = 0;  // bytes of the observers' ring for the datagrams
 };
 
 }  // namespace
