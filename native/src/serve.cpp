@@ -15,7 +15,6 @@ namespace {
 
 constexpr uint32_t MOST = 64;        // messages taken at a time; the same numbers as in middleware/serving.py
 constexpr uint32_t MOST_BEHIND = 8;  // the same for a topic of low priority: urgent topics wait until these are handled
-constexpr uint32_t TOPICS = 256;
 constexpr uint32_t EVERYTHING = 0x7f;     // DDS_ANY_STATE
 constexpr int64_t NEVER = INT64_MAX;      // DDS_INFINITY
 constexpr size_t ROOM = size_t{1} << 20;  // for the datagrams of a batch, and for one message
@@ -36,13 +35,16 @@ uint8_t *write_varint_before(uint8_t *end, uint64_t value) {
 class Server {
  public:
   explicit Server(rl_server &server)
-      : server_(server), message_(new (std::nothrow) uint8_t[ROOM]), out_(new (std::nothrow) uint8_t[ROOM]) {}
+      : server_(server),
+        message_(new (std::nothrow) uint8_t[ROOM]),
+        out_(new (std::nothrow) uint8_t[ROOM]),
+        triggered_(new (std::nothrow) intptr_t[server.n_topics + 1]) {}
 
   int run() {
-    if (message_ == nullptr || out_ == nullptr || server_.n_topics > TOPICS) return -1;
-    intptr_t triggered[TOPICS + 1];
+    if (message_ == nullptr || out_ == nullptr || triggered_ == nullptr) return -1;
+    intptr_t *const triggered = triggered_.get();
     while (!load(server_.stopping)) {
-      const int32_t count = server_.reading.wait(server_.waitset, triggered, TOPICS + 1, NEVER);
+      const int32_t count = server_.reading.wait(server_.waitset, triggered, server_.n_topics + 1, NEVER);
       if (count < 0) return -1;
       std::sort(triggered, triggered + count);  // the most urgent first
       if (const int ended = serve_ready(triggered, triggered + count)) return ended;
@@ -149,6 +151,7 @@ class Server {
 
   rl_server &server_;
   std::unique_ptr<uint8_t[]> message_, out_;
+  std::unique_ptr<intptr_t[]> triggered_;
   rl_datagram datagrams_[MOST] = {};
   uint32_t n_datagrams_ = 0;
   size_t free_ = ROOM;  // bytes of `out_` before the datagrams

@@ -305,7 +305,7 @@ class Bridge:
                 self._signed_peers.must_sign,
                 [one for one in self._observers if isinstance(one, DatagramObserver)],
             )
-        except NoCoreError as error:
+        except (NoCoreError, AttributeError, OSError) as error:  # the middleware's library may be another version
             self._logger.info("Python handles all messages: %s", error)
             return None
         sock, wake = self._receiver.sockets

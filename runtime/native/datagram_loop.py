@@ -115,7 +115,6 @@ class DatagramLoop:
             n_destinations=len(destinations),
             n_bounds=len(bounds),
         )
-
         if core.library.rl_check_bridge(ctypes.byref(self._bridge)):
             raise NoCoreError("the native library refuses the bridge; report this as a bug of roverlink")
 
@@ -175,9 +174,9 @@ class DatagramLoop:
             self._ring.__exit__()
 
     def run(self) -> None:
-        """Handle datagrams until `stop` is called. Raises what a function of `open` raised."""
-        if self._core.library.rl_receive(ctypes.byref(self._bridge)) and self._failure is not None:
-            raise self._failure
+        """Handle datagrams until `stop` is called. Raises what a function of `open` raised, or `MemoryError`."""
+        if self._core.library.rl_receive(ctypes.byref(self._bridge)):
+            raise self._failure or MemoryError("for the datagrams of the native core")
 
     def stop(self, *, stopping: bool = True) -> None:
         """Make `run` return, with data on ``wake`` at once. With ``stopping`` false, let it run again."""

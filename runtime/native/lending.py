@@ -38,6 +38,12 @@ class LentTopic(NamedTuple):
 class NativeSubscription(Protocol):
     """Subscription whose messages the native core can take without Python."""
 
+    def has_publishers(self) -> bool:
+        """Return true if the middleware knows a publisher of the topic."""
+
+    def close(self) -> None:
+        """End the subscription."""
+
     def lend_to(self, core: NativeCore, lent: LentTopic) -> None:
         """Let the core take the messages from now on. It hands those that it cannot convert to the callback.
 

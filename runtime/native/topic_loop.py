@@ -6,6 +6,8 @@ import ctypes
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
+from roverlink.runtime.core.errors import MiddlewareError
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
 from roverlink.runtime.native.lending import LentTopic
@@ -56,7 +58,7 @@ class TopicLoop:
                 structs[index] = ctypes.pointer(topic.lent.struct)
         self._topics = topics
         self.close()
-        taps = {}
+        taps: dict[int, Sequence[Tap]] = {}
         for index, topic in enumerate(topics):
             if (lent := topic.lent) is not None:
                 lent.struct.observed = bool(lent.taps) + 2 * bool(lent.datagram_taps)
@@ -75,14 +77,13 @@ class TopicLoop:
         )
 
     def run(self, waitset: int) -> None:
-        """Serve the topics until `stop` is called. Raises what a callback raised.
+        """Serve the topics until `stop` is called. Raises what a callback raised, or `MiddlewareError`.
 
         What triggers ``waitset`` is the index of a topic; -1 only wakes the loop.
         """
         self._server.waitset = waitset
-        self._core.library.rl_serve(ctypes.byref(self._server))
-        if self._failure is not None:
-            raise self._failure
+        if self._core.library.rl_serve(ctypes.byref(self._server)):
+            raise self._failure or MiddlewareError("the native core cannot wait for messages")
 
     def stop(self) -> None:
         """Make `run` return after the wait set was triggered. Undone by `prepare`."""
