@@ -3,10 +3,9 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <memory>
-#include <new>
 
 #include "frame.hpp"
+#include "memory.hpp"
 #include "roverlink/bridge.h"
 #include "ring.hpp"
 #include "sending.hpp"
@@ -45,14 +44,14 @@ class Loop {
  public:
   explicit Loop(rl_bridge &bridge)
       : bridge_(bridge),
-        bytes_(new (std::nothrow) uint8_t[size_t{bridge.largest} * RL_SLOTS]),
-        messages_(new (std::nothrow) uint8_t[MESSAGE_ROOM]),
-        reading_(new (std::nothrow) Reading) {}
+        bytes_(memory_for<uint8_t>(size_t{bridge.largest} * RL_SLOTS)),
+        messages_(memory_for<uint8_t>(MESSAGE_ROOM)),
+        reading_(memory_for<Reading>(1)) {}
 
   int run() {
     if (bytes_ == nullptr || messages_ == nullptr || reading_ == nullptr) return -1;
     for (size_t slot = 0; slot < RL_SLOTS; ++slot)
-      reading_->places[slot] = {bytes_.get() + slot * bridge_.largest, bridge_.largest};
+      reading_[0].places[slot] = {bytes_.get() + slot * bridge_.largest, bridge_.largest};
     pollfd watched[2] = {{bridge_.socket, POLLIN, 0}, {bridge_.wake, POLLIN, 0}};
     while (!load(bridge_.stopping)) {
       // Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
@@ -82,7 +81,7 @@ class Loop {
       count = read();
       for (uint32_t first = 0; first < count; first += RL_BURST) {
         const uint32_t size = std::min<uint32_t>(RL_BURST, count - first);
-        if (const int ended = handle(reading_->datagrams + first, size)) return ended;
+        if (const int ended = handle(reading_[0].datagrams + first, size)) return ended;
       }
     }
     return 0;
@@ -90,15 +89,15 @@ class Loop {
 
   uint32_t read() {
     for (size_t slot = 0; slot < RL_SLOTS; ++slot) {
-      msghdr &header = reading_->headers[slot].msg_hdr;
+      msghdr &header = reading_[0].headers[slot].msg_hdr;
       header = {};
-      header.msg_iov = &reading_->places[slot];
+      header.msg_iov = &reading_[0].places[slot];
       header.msg_iovlen = 1;
     }
-    const int count = recvmmsg(bridge_.socket, reading_->headers, RL_SLOTS, MSG_DONTWAIT, nullptr);
+    const int count = recvmmsg(bridge_.socket, reading_[0].headers, RL_SLOTS, MSG_DONTWAIT, nullptr);
     for (int slot = 0; slot < count; ++slot) {
-      const mmsghdr &header = reading_->headers[slot];
-      reading_->datagrams[slot] = {static_cast<const uint8_t *>(reading_->places[slot].iov_base), header.msg_len};
+      const mmsghdr &header = reading_[0].headers[slot];
+      reading_[0].datagrams[slot] = {static_cast<const uint8_t *>(reading_[0].places[slot].iov_base), header.msg_len};
     }
     return count > 0 ? static_cast<uint32_t>(count) : 0;
   }
@@ -285,8 +284,8 @@ class Loop {
   static constexpr uint32_t WRITES = RL_BURST * TOPICS;  // of one burst, at most
 
   rl_bridge &bridge_;
-  std::unique_ptr<uint8_t[]> bytes_, messages_;
-  std::unique_ptr<Reading> reading_;
+  Memory<uint8_t> bytes_, messages_;
+  Memory<Reading> reading_;
   const uint8_t *payload_ = nullptr;
   size_t payload_size_ = 0;
   size_t sizes_[TOPICS] = {};

@@ -1,9 +1,8 @@
 // The way of messages from topics to peers.
 #include <algorithm>
-#include <memory>
-#include <new>
 
 #include "frame.hpp"
+#include "memory.hpp"
 #include "roverlink/bridge.h"
 #include "ring.hpp"
 #include "sending.hpp"
@@ -36,9 +35,9 @@ class Server {
  public:
   explicit Server(rl_server &server)
       : server_(server),
-        message_(new (std::nothrow) uint8_t[ROOM]),
-        out_(new (std::nothrow) uint8_t[ROOM]),
-        triggered_(new (std::nothrow) intptr_t[server.n_topics + 1]) {}
+        message_(memory_for<uint8_t>(ROOM)),
+        out_(memory_for<uint8_t>(ROOM)),
+        triggered_(memory_for<intptr_t>(size_t{server.n_topics} + 1)) {}
 
   int run() {
     if (message_ == nullptr || out_ == nullptr || triggered_ == nullptr) return -1;
@@ -109,9 +108,9 @@ class Server {
       }
     }
     if (const int ended = send(index, topic)) return ended;
-    std::unique_ptr<uint8_t[]> whole;
+    Memory<uint8_t> whole;
     if (size > ROOM) {
-      whole.reset(new (std::nothrow) uint8_t[size]);
+      whole = memory_for<uint8_t>(size);
       if (whole == nullptr) return -1;
       server_.reading.bytes(sample, 0, size, whole.get());
     }
@@ -150,8 +149,8 @@ class Server {
   }
 
   rl_server &server_;
-  std::unique_ptr<uint8_t[]> message_, out_;
-  std::unique_ptr<intptr_t[]> triggered_;
+  Memory<uint8_t> message_, out_;
+  Memory<intptr_t> triggered_;
   rl_datagram datagrams_[MOST] = {};
   uint32_t n_datagrams_ = 0;
   size_t free_ = ROOM;  // bytes of `out_` before the datagrams
