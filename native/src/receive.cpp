@@ -3,11 +3,11 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <memory>
-#include <new>
 
 #include "frame.hpp"
+#include "memory.hpp"
 #include "roverlink/bridge.h"
+#include "ring.hpp"
 #include "sending.hpp"
 #include "shared_counts.hpp"
 #include "times.hpp"
@@ -44,14 +44,14 @@ class Loop {
  public:
   explicit Loop(rl_bridge &bridge)
       : bridge_(bridge),
-        bytes_(new (std::nothrow) uint8_t[size_t{bridge.largest} * RL_SLOTS]),
-        messages_(new (std::nothrow) uint8_t[MESSAGE_ROOM]),
-        reading_(new (std::nothrow) Reading) {}
+        bytes_(memory_for<uint8_t>(size_t{bridge.largest} * RL_SLOTS)),
+        messages_(memory_for<uint8_t>(MESSAGE_ROOM)),
+        reading_(memory_for<Reading>(1)) {}
 
   int run() {
     if (bytes_ == nullptr || messages_ == nullptr || reading_ == nullptr) return -1;
     for (size_t slot = 0; slot < RL_SLOTS; ++slot)
-      reading_->places[slot] = {bytes_.get() + slot * bridge_.largest, bridge_.largest};
+      reading_[0].places[slot] = {bytes_.get() + slot * bridge_.largest, bridge_.largest};
     pollfd watched[2] = {{bridge_.socket, POLLIN, 0}, {bridge_.wake, POLLIN, 0}};
     while (!load(bridge_.stopping)) {
       // Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
@@ -81,7 +81,7 @@ class Loop {
       count = read();
       for (uint32_t first = 0; first < count; first += RL_BURST) {
         const uint32_t size = std::min<uint32_t>(RL_BURST, count - first);
-        if (const int ended = handle(reading_->datagrams + first, size)) return ended;
+        if (const int ended = handle(reading_[0].datagrams + first, size)) return ended;
       }
     }
     return 0;
@@ -89,15 +89,15 @@ class Loop {
 
   uint32_t read() {
     for (size_t slot = 0; slot < RL_SLOTS; ++slot) {
-      msghdr &header = reading_->headers[slot].msg_hdr;
+      msghdr &header = reading_[0].headers[slot].msg_hdr;
       header = {};
-      header.msg_iov = &reading_->places[slot];
+      header.msg_iov = &reading_[0].places[slot];
       header.msg_iovlen = 1;
     }
-    const int count = recvmmsg(bridge_.socket, reading_->headers, RL_SLOTS, MSG_DONTWAIT, nullptr);
+    const int count = recvmmsg(bridge_.socket, reading_[0].headers, RL_SLOTS, MSG_DONTWAIT, nullptr);
     for (int slot = 0; slot < count; ++slot) {
-      const mmsghdr &header = reading_->headers[slot];
-      reading_->datagrams[slot] = {static_cast<const uint8_t *>(reading_->places[slot].iov_base), header.msg_len};
+      const mmsghdr &header = reading_[0].headers[slot];
+      reading_[0].datagrams[slot] = {static_cast<const uint8_t *>(reading_[0].places[slot].iov_base), header.msg_len};
     }
     return count > 0 ? static_cast<uint32_t>(count) : 0;
   }
@@ -156,31 +156,40 @@ class Loop {
     // The messages of a topic keep their order.
     const uint32_t *const others = burst.handed_over_rows, *const end = others + burst.n_handed_over;
     if (std::find(others, end, row.number) != end) return false;
-    size_t used = 0;
-    for (uint32_t index = row.first_topic; index < row.first_topic + row.topics; ++index) {
-      const bool is_wanted = wanted(bridge_.topics[index]);
+    size_t used = 0, observed = bridge_.observed ? room_of(datagram.size) : 0;
+    uint64_t to_write = 0;
+    for (uint32_t index = 0; index < row.topics; ++index) {
+      const rl_topic &topic = bridge_.topics[row.first_topic + index];
+      const bool is_wanted = wanted(topic);
+      sizes_[index] = 0;
       // The row's own message is translated in any case: a value that does not fit is told.
-      if (!is_wanted && index != row.first_topic) {
-        sizes_[index - row.first_topic] = 0;
-        continue;
-      }
+      if (index != 0 && !is_wanted && !topic.observed) continue;
       size_t size = MESSAGE_ROOM - used;
       if (size < 8) return false;
-      if (rl_to_cdr(bridge_.table, bridge_.topics[index].translation, bridge_.workspace, payload_, payload_size_,
+      if (rl_to_cdr(bridge_.table, topic.translation, bridge_.workspace, payload_, payload_size_,
                     static_cast<int32_t>(burst.arrived.tv_sec), static_cast<uint32_t>(burst.arrived.tv_nsec),
                     messages_.get() + used, &size) != RL_OK)
         return false;
-      sizes_[index - row.first_topic] = is_wanted ? size : 0;
-      if (index == row.first_topic && !is_wanted) add(bridge_.topics[index].published, 1);
-      if (is_wanted) used += (size + 7) & ~size_t{7};
+      sizes_[index] = size;
+      used += (size + 7) & ~size_t{7};
+      if (is_wanted) to_write |= uint64_t{1} << index;
+      if (topic.observed) observed += room_of(size);
     }
+    if (observed != 0 && !has_room(*bridge_.observers, observed)) return false;
+    const int64_t now = observed != 0 ? monotonic_ns() : 0;
+    if (bridge_.observed) put(*bridge_.observers, bridge_.n_topics, now, datagram.data, datagram.size);
     used = 0;
-    for (uint32_t index = row.first_topic; index < row.first_topic + row.topics; ++index) {
-      const size_t size = sizes_[index - row.first_topic];
+    for (uint32_t index = 0; index < row.topics; ++index) {
+      const size_t size = sizes_[index];
       if (size == 0) continue;
-      rl_topic &topic = bridge_.topics[index];
-      if (write(topic, messages_.get() + used, size)) add(topic.published, 1);
-      else note_unpublished(index);
+      rl_topic &topic = bridge_.topics[row.first_topic + index];
+      uint8_t *const message = messages_.get() + used;
+      if ((to_write >> index & 1) == 0 || write(topic, message, size)) {
+        add(topic.published, 1);
+        if (topic.observed) put(*bridge_.observers, row.first_topic + index, now, message, size);
+      } else {
+        note_unpublished(row.first_topic + index);
+      }
       used += (size + 7) & ~size_t{7};
     }
     return true;
@@ -275,8 +284,8 @@ class Loop {
   static constexpr uint32_t WRITES = RL_BURST * TOPICS;  // of one burst, at most
 
   rl_bridge &bridge_;
-  std::unique_ptr<uint8_t[]> bytes_, messages_;
-  std::unique_ptr<Reading> reading_;
+  Memory<uint8_t> bytes_, messages_;
+  Memory<Reading> reading_;
   const uint8_t *payload_ = nullptr;
   size_t payload_size_ = 0;
   size_t sizes_[TOPICS] = {};

@@ -1,10 +1,10 @@
 // The way of messages from topics to peers.
 #include <algorithm>
-#include <memory>
-#include <new>
 
 #include "frame.hpp"
+#include "memory.hpp"
 #include "roverlink/bridge.h"
+#include "ring.hpp"
 #include "sending.hpp"
 #include "shared_counts.hpp"
 #include "times.hpp"
@@ -14,7 +14,6 @@ namespace {
 
 constexpr uint32_t MOST = 64;        // messages taken at a time; the same numbers as in middleware/serving.py
 constexpr uint32_t MOST_BEHIND = 8;  // the same for a topic of low priority: urgent topics wait until these are handled
-constexpr uint32_t TOPICS = 256;
 constexpr uint32_t EVERYTHING = 0x7f;     // DDS_ANY_STATE
 constexpr int64_t NEVER = INT64_MAX;      // DDS_INFINITY
 constexpr size_t ROOM = size_t{1} << 20;  // for the datagrams of a batch, and for one message
@@ -35,13 +34,16 @@ uint8_t *write_varint_before(uint8_t *end, uint64_t value) {
 class Server {
  public:
   explicit Server(rl_server &server)
-      : server_(server), message_(new (std::nothrow) uint8_t[ROOM]), out_(new (std::nothrow) uint8_t[ROOM]) {}
+      : server_(server),
+        message_(memory_for<uint8_t>(ROOM)),
+        out_(memory_for<uint8_t>(ROOM)),
+        triggered_(memory_for<intptr_t>(size_t{server.n_topics} + 1)) {}
 
   int run() {
-    if (message_ == nullptr || out_ == nullptr || server_.n_topics > TOPICS) return -1;
-    intptr_t triggered[TOPICS + 1];
+    if (message_ == nullptr || out_ == nullptr || triggered_ == nullptr) return -1;
+    intptr_t *const triggered = triggered_.get();
     while (!load(server_.stopping)) {
-      const int32_t count = server_.reading.wait(server_.waitset, triggered, TOPICS + 1, NEVER);
+      const int32_t count = server_.reading.wait(server_.waitset, triggered, server_.n_topics + 1, NEVER);
       if (count < 0) return -1;
       std::sort(triggered, triggered + count);  // the most urgent first
       if (const int ended = serve_ready(triggered, triggered + count)) return ended;
@@ -96,21 +98,35 @@ class Server {
         uint8_t *const end = out_.get() + free_;
         uint8_t *begin = write_varint_before(end - written, written);
         begin = write_varint_before(begin, uint64_t{topic.number} << 3 | DELIMITED);
-        datagrams_[n_datagrams_++] = {begin, static_cast<size_t>(end - begin)};
-        free_ = static_cast<size_t>(begin - out_.get());
-        add(topic.taken, 1);
-        return 0;
+        const auto made = static_cast<size_t>(end - begin);
+        if (observe(index, topic, size, made)) {
+          datagrams_[n_datagrams_++] = {begin, made};
+          free_ = static_cast<size_t>(begin - out_.get());
+          add(topic.taken, 1);
+          return 0;
+        }
       }
     }
     if (const int ended = send(index, topic)) return ended;
-    std::unique_ptr<uint8_t[]> whole;
+    Memory<uint8_t> whole;
     if (size > ROOM) {
-      whole.reset(new (std::nothrow) uint8_t[size]);
+      whole = memory_for<uint8_t>(size);
       if (whole == nullptr) return -1;
       server_.reading.bytes(sample, 0, size, whole.get());
     }
     const rl_datagram message = {whole != nullptr ? whole.get() : message_.get(), size};
     return server_.calls.take(index, &message);
+  }
+
+  // Copies the message to the observers. Returns false if they have no room for it, or for its datagram.
+  bool observe(uint32_t index, const rl_subscription &topic, size_t size, size_t made) {
+    const size_t datagram = (topic.observed & 2) != 0 ? room_of(made) : 0;
+    const size_t message = (topic.observed & 1) != 0 ? room_of(size) : 0;
+    if (message + datagram == 0) return true;
+    if (!has_room(*server_.observers, reserved_ + message + datagram)) return false;
+    if (message != 0) put(*server_.observers, 2 * index, monotonic_ns(), message_.get(), size);
+    reserved_ += datagram;  // which is copied when it has been sent
+    return true;
   }
 
   // Sends the datagrams that have been made.
@@ -120,20 +136,25 @@ class Server {
       const uint32_t sent = send_all(socket, topic.segments, datagrams_ + done, n_datagrams_ - done);
       if (sent != 0) store(topic.sent_at, monotonic_ns());
       add(topic.sent, sent);
+      for (uint32_t one = done; (topic.observed & 2) != 0 && one < done + sent; ++one)
+        put(*server_.observers, 2 * index + 1, topic.sent_at, datagrams_[one].data, datagrams_[one].size);
       done += sent;
       if (done < n_datagrams_)
         if (const int ended = server_.calls.send(index, datagrams_ + done++)) return ended;
     }
     n_datagrams_ = 0;
     free_ = ROOM;
+    reserved_ = 0;
     return 0;
   }
 
   rl_server &server_;
-  std::unique_ptr<uint8_t[]> message_, out_;
+  Memory<uint8_t> message_, out_;
+  Memory<intptr_t> triggered_;
   rl_datagram datagrams_[MOST] = {};
   uint32_t n_datagrams_ = 0;
   size_t free_ = ROOM;  // bytes of `out_` before the datagrams
+  size_t reserved_ = 0;  // bytes of the observers' ring for the datagrams
 };
 
 }  // namespace

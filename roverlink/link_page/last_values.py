@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import MISFITS, Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware.tapping import Tap
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.text.values import message_to_values
 
 HISTORY_S = 300.0
@@ -80,7 +80,7 @@ class LastValues:
         self._types[row] = message_type
         newest = self._newest
 
-        def tap(messages: Sequence[bytes]) -> None:
+        def tap(messages: Sequence[bytes], arrived: Sequence[int] = ()) -> None:  # noqa: ARG001  # the newest is enough
             if messages:
                 newest[row] = messages[-1]
 

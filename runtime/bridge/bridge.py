@@ -31,7 +31,7 @@ from roverlink.runtime.bridge.extra_topics import ExtraTopics
 from roverlink.runtime.bridge.forwarding import Forwarding
 from roverlink.runtime.bridge.handling_times import Handle, HandlingTimes, Latencies
 from roverlink.runtime.bridge.link_exchange import EndReport, LinkExchange
-from roverlink.runtime.bridge.native_way import NativeWay
+from roverlink.runtime.bridge.native_way import DatagramObserver, NativeWay
 from roverlink.runtime.bridge.network_watch import NetworkWatch
 from roverlink.runtime.bridge.qos_watch import QosWatch
 from roverlink.runtime.bridge.signed_peers import SignedPeers
@@ -199,6 +199,8 @@ class Bridge:
         self._watch.__enter__()
         # The receiver starts last: when the first datagram comes in, every topic is open and every timer runs.
         self._choose_way()
+        if self._native is not None:
+            self._native.loop.__enter__()
         self._receiver.__enter__()
         return self
 
@@ -220,6 +222,8 @@ class Bridge:
                 steps.callback(paced.end)
             steps.callback(self._timekeeper.__exit__)
             steps.callback(self._watch.__exit__)
+            if self._native is not None:
+                steps.callback(self._native.loop.__exit__)
             steps.callback(lambda: self._counters.count_unhandled(self._receiver.left))
             steps.callback(self._receiver.__exit__)
 
@@ -299,8 +303,9 @@ class Bridge:
                 outbound,
                 self._ends.destinations,
                 self._signed_peers.must_sign,
+                [one for one in self._observers if isinstance(one, DatagramObserver)],
             )
-        except NoCoreError as error:
+        except (NoCoreError, AttributeError, OSError) as error:  # the middleware's library may be another version
             self._logger.info("Python handles all messages: %s", error)
             return None
         sock, wake = self._receiver.sockets
@@ -323,7 +328,8 @@ class Bridge:
             return "the parameter native_core is false"
         if self._clock is not SYSTEM_CLOCK:
             return "the stamps are those of a simulated clock"
-        return "a recorder has to see all datagrams" if self._observers else ""
+        able = all(isinstance(one, DatagramObserver) for one in self._observers)
+        return "" if able else "an observer has to see the datagrams before the bridge does"
 
     def _choose_way(self) -> None:
         """Let the native core read the socket, unless a parameter says that Python has to see all datagrams."""

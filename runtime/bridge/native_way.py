@@ -10,7 +10,7 @@ import ctypes
 import dataclasses
 import math
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -19,23 +19,23 @@ from roverlink.runtime.bridge.handling_times import BOUNDS_S, Latencies
 from roverlink.runtime.bridge.to_peer import OutboundRow
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, EndName, Registry
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.middleware import Publisher, Subscription
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
 from roverlink.runtime.native.datagram_loop import ANY_LENGTH, DatagramLoop, InboundTopics
-from roverlink.runtime.native.topic_loop import LentTopic
+from roverlink.runtime.native.lending import LentTopic, NativeSubscription
 from roverlink.runtime.net.destination import Destination, can_segment
 
 
 @runtime_checkable
-class NativeSubscription(Protocol):
-    """Subscription whose messages the native core can take without Python."""
+class DatagramObserver(Protocol):
+    """Observer that only wants a copy of each datagram, so that the native core can serve it."""
 
-    def lend_to(self, core: NativeCore, lent: LentTopic) -> None:
-        """Let the core take the messages from now on. It hands those that it cannot convert to the callback.
-
-        Raises AttributeError if the middleware's library lacks a function.
-        """
+    received: Tap
+    """Function that gets the received datagrams."""
+    sent: Mapping[str, Tap]
+    """Function that gets the datagrams to a peer that are made from messages, by the peer's name."""
 
 
 class _Forward(NamedTuple):
@@ -61,11 +61,12 @@ class NativeWay:
         outbound: Iterable[tuple[AnyHandler | AnyStandardHandler, OutboundRow, Subscription]],
         destinations: Mapping[EndName, Destination],
         must_sign: Collection[str],
+        observers: Sequence[DatagramObserver],
     ) -> None:
         """Prepare the way, which no row takes yet.
 
         ``publisher_of`` returns the publisher of a row by the row's name. ``outbound`` are the topics whose messages go
-        to peers. ``must_sign`` are the peers that must sign.
+        to peers. ``must_sign`` are the peers that must sign. ``observers`` get a copy of each datagram.
         """
         self._ends = [*destinations]
         self._refused: frozenset[str] = frozenset()
@@ -93,7 +94,8 @@ class NativeWay:
             if handler.route.inbound and handler.route.peer not in must_sign
         ]
         links = [] if registry.link is None else [registry.link.number]
-        self.loop = DatagramLoop(core, rows, [*destinations.values()], links, BOUNDS_S)
+        received = [one.received for one in observers]
+        self.loop = DatagramLoop(core, rows, [*destinations.values()], links, BOUNDS_S, received)
         self.reasons |= self.loop.reasons
         self._outbound: list[tuple[Route, EndName, native.Subscription]] = []
         for handler, row, subscription in outbound:
@@ -112,7 +114,7 @@ class NativeWay:
             )
             self._outbound.append((handler.route, end, struct))
             row.follow(partial(_sent_at, struct))
-            subscription.lend_to(core, LentTopic(struct, row.send_again))
+            subscription.lend_to(core, LentTopic(struct, row.send_again, (), [one.sent[end.peer] for one in observers]))
 
     @staticmethod
     def _why_not(

@@ -29,6 +29,7 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.rcl_interfaces import Parameter, ParameterEvent
 from roverlink.runtime.middleware.cyclone import (
@@ -52,7 +53,8 @@ from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.middleware.serving import ServedTopic, has_ended, serve
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
-from roverlink.runtime.native.topic_loop import LentTopic, TopicLoop
+from roverlink.runtime.native.lending import LentTopic
+from roverlink.runtime.native.topic_loop import TopicLoop
 
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
@@ -93,11 +95,12 @@ class DdsPublisher:
             return self._writer.write(messages)
         return len(messages)
 
-    def lend_to(self, topic: native.Topic, functions: native.MiddlewareFunctions) -> None:
+    def lend_to(self, topic: native.Topic, functions: native.MiddlewareFunctions) -> Sequence[Tap]:
         """Let the native core publish through this publisher (see `NativePublisher`)."""
         self._writer.lend_to(topic, functions)
         if not self._writes_always:
             self._readers.tell(topic)
+        return ()
 
     def leave(self, seconds: float) -> None:
         """Wait until every subscriber has acknowledged all messages, at most ``seconds``.
@@ -238,6 +241,8 @@ class DdsMiddleware(Middleware):
         self._wake_native()
         if not has_ended(self._thread):
             return
+        if self._native is not None:
+            self._native.close()
         if self._services is not None:
             self._services.close()
         # One deadline for all writers together: leaving must not take longer with more topics.

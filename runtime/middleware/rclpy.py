@@ -29,6 +29,7 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.middleware.joined_addresses import JoinedAddresses
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
@@ -73,12 +74,13 @@ class RclpyPublisher:
             self._paused_until = now + _PAUSE * (now - began)
         return accepted
 
-    def lend_to(self, topic: native.Topic, functions: native.MiddlewareFunctions) -> None:
+    def lend_to(self, topic: native.Topic, functions: native.MiddlewareFunctions) -> Sequence[Tap]:
         """Let the native core publish through this publisher (see `NativePublisher`)."""
         library = ctypes.CDLL("librcl.so", mode=os.RTLD_NOLOAD)  # rclpy has loaded it
         topic.publisher = self._handle.pointer
         functions.publish = ctypes.cast(library.rcl_publish_serialized_message, ctypes.c_void_p)
         functions.count_subscriptions = ctypes.cast(library.rcl_publisher_get_subscription_count, ctypes.c_void_p)
+        return ()
 
     def has_subscribers(self) -> bool:
         """Return true if rclpy knows a subscription that matches this publisher."""

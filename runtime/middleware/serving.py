@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Protocol
 
 from roverlink.runtime.middleware.protocol import Callback
-from roverlink.runtime.native.topic_loop import LentTopic
+from roverlink.runtime.native.lending import LentTopic
 
 # All messages of a take go to one callback. Large enough to keep up with a burst, small enough that other topics get
 # their turn.

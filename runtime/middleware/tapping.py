@@ -5,15 +5,16 @@ The bridge uses the wrapper like any other middleware.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, Publisher, Subscription
-
-Tap = Callable[[Sequence[bytes]], None]
-"""Function that takes messages of one topic, oldest first. It must return at once."""
+from roverlink.runtime.native import bridge_layout as native
+from roverlink.runtime.native.core import NativeCore
+from roverlink.runtime.native.lending import LentTopic, NativePublisher, NativeSubscription
 
 
 class Listener(Protocol):
@@ -40,7 +41,9 @@ class TappedMiddleware(Middleware):
         """Create a publisher that passes the messages it has published to the listener."""
         publisher = self._middleware.publisher(topic, message_type, qos)
         tap = self._listener.topic(topic, message_type, qos)
-        return publisher if tap is None else _TappedPublisher(publisher, tap)
+        if tap is None:
+            return publisher
+        return (_LentPublisher if isinstance(publisher, NativePublisher) else _TappedPublisher)(publisher, tap)
 
     def subscribe(
         self,
@@ -60,7 +63,8 @@ class TappedMiddleware(Middleware):
             tap(messages)
             callback(messages)
 
-        return self._middleware.subscribe(topic, message_type, qos, tapped, priority, exact_depth)
+        subscription = self._middleware.subscribe(topic, message_type, qos, tapped, priority, exact_depth)
+        return _LentSubscription(subscription, tap) if isinstance(subscription, NativeSubscription) else subscription
 
     def endpoints(self, topic: str, publishing: bool) -> Sequence[Endpoint]:
         """Return the publishers or the subscriptions of a topic that the wrapped middleware knows."""
@@ -83,8 +87,19 @@ class TappedMiddleware(Middleware):
         self._middleware.close()
 
 
+class _LentSubscription:
+    def __init__(self, subscription: NativeSubscription, tap: Tap) -> None:
+        self._subscription, self._tap = subscription, tap
+        self.has_publishers, self.close = subscription.has_publishers, subscription.close
+
+    def lend_to(self, core: NativeCore, lent: LentTopic) -> None:
+        """Let the core take the messages, and pass a copy of each to the listener."""
+        self._subscription.lend_to(core, lent._replace(taps=(*lent.taps, self._tap)))
+
+
 class _TappedPublisher:
     def __init__(self, publisher: Publisher, tap: Tap) -> None:
+        self._publisher: Any = publisher
         self._publish, self._tap = publisher.publish, tap
 
     def publish(self, messages: Sequence[bytes], /) -> int:
@@ -97,3 +112,9 @@ class _TappedPublisher:
     def has_subscribers(self) -> bool:
         """Return true, because the listener counts as a subscriber."""
         return True
+
+
+class _LentPublisher(_TappedPublisher):
+    def lend_to(self, topic: native.Topic, functions: native.MiddlewareFunctions) -> Sequence[Tap]:
+        """Let the core publish, and pass a copy of each message to the listener."""
+        return [*self._publisher.lend_to(topic, functions), self._tap]

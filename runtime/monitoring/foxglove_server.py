@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware.tapping import Tap
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.net.addresses import openable_host
 from roverlink.runtime.net.websocket_gate import WebSocketGate, hidden_address
 from roverlink.runtime.recording.message_definitions import definition_of
@@ -61,11 +61,12 @@ class FoxgloveServer:
         channel = self._foxglove.Channel(topic, schema=schema, message_encoding="cdr", context=self._context).base
         wanted, log, now = channel.has_sinks, channel.log, time.time_ns
 
-        def tap(messages: Sequence[bytes]) -> None:
+        def tap(messages: Sequence[bytes], arrived: Sequence[int] = ()) -> None:
             # Checked for each batch, since viewers come and go.
             if wanted():
-                for message in messages:
-                    log(message, now())
+                ahead = now() - time.monotonic_ns() if arrived else 0
+                for index, message in enumerate(messages):
+                    log(message, arrived[index] + ahead if arrived else now())
 
         return tap
 

@@ -27,6 +27,17 @@ def bytes_of(datagram: Datagram) -> bytes:
     return ctypes.string_at(datagram.data, datagram.size)
 
 
+class Ring(ctypes.Structure):
+    """Copies of messages and datagrams for observers."""
+
+    _fields_ = (
+        ("memory", ctypes.c_void_p),
+        ("room", ctypes.c_uint64),
+        ("written", ctypes.c_uint64),
+        ("read", ctypes.c_uint64),
+    )
+
+
 class MiddlewareFunctions(ctypes.Structure):
     """Addresses of functions of the middleware's library: those of Cyclone DDS, or those of rcl."""
 
@@ -41,7 +52,7 @@ class Topic(ctypes.Structure):
     _fields_ = (
         *_words("translation", "wanted"),
         ("writer", ctypes.c_int32),
-        *_words("unused"),
+        *_words("observed"),
         ("sertype", ctypes.c_void_p),
         ("publisher", ctypes.c_void_p),
         ("paused_until", ctypes.c_int64),
@@ -91,6 +102,7 @@ class Bridge(ctypes.Structure):
         ("destinations", ctypes.POINTER(Destination)),
         ("middleware", MiddlewareFunctions),
         ("calls", Calls),
+        ("observers", ctypes.POINTER(Ring)),
         ("bounds", ctypes.POINTER(ctypes.c_double)),
         ("latencies", ctypes.c_uint64 * BUCKETS),
         ("latency_sum", ctypes.c_double),
@@ -98,7 +110,7 @@ class Bridge(ctypes.Structure):
         *_words("n_topics", "n_rows", "n_destinations", "n_bounds"),
         ("socket", ctypes.c_int32),
         ("wake", ctypes.c_int32),
-        *_words("largest", "stopping"),
+        *_words("largest", "observed", "unused", "stopping"),
     )
 
 
@@ -116,7 +128,7 @@ class Subscription(ctypes.Structure):
         ("reader", ctypes.c_int32),
         *_words("native"),
         ("socket", ctypes.POINTER(ctypes.c_int32)),
-        *_words("segments", "unused"),
+        *_words("segments", "observed"),
         ("taken", ctypes.c_uint64),
         ("sent", ctypes.c_uint64),
         ("sent_at", ctypes.c_int64),
@@ -143,6 +155,7 @@ class Server(ctypes.Structure):
         ("priorities", ctypes.POINTER(ctypes.c_int32)),
         ("reading", Reading),
         ("calls", ServingCalls),
+        ("observers", ctypes.POINTER(Ring)),
         *_words("n_topics"),
         ("waitset", ctypes.c_int32),
         *_words("stopping", "unused"),

@@ -11,26 +11,18 @@ import socket
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple
 
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore, NoCoreError
+from roverlink.runtime.native.lending import NativePublisher
+from roverlink.runtime.native.observer_ring import ObserverRing
 from roverlink.runtime.net.destination import Destination, can_segment
 
 ANY_LENGTH = 0xFFFFFFFF
 """Length of the longest datagram of a row whose datagrams may have any length."""
-
-
-@runtime_checkable
-class NativePublisher(Protocol):
-    """Publisher through which the native core can publish without Python. It must outlive the core's thread."""
-
-    def lend_to(self, topic: native.Topic, functions: native.MiddlewareFunctions) -> None:
-        """Set what the core needs to publish on the topic: a part of ``topic``, and functions of the middleware.
-
-        Raises AttributeError if the middleware's library lacks one of the functions.
-        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +48,10 @@ class NativeCounts(NamedTuple):
 
 
 class DatagramLoop:
-    """Loop of the native core for one bridge, with its counters. One thread at a time may call `run`."""
+    """Loop of the native core for one bridge, with its counters. One thread at a time may call `run`.
+
+    A context manager: on exit, the observers get the rest.
+    """
 
     def __init__(
         self,
@@ -65,11 +60,12 @@ class DatagramLoop:
         destinations: Sequence[Destination],
         at_once: Sequence[int],
         bounds: Sequence[float],
+        observers: Sequence[Tap],
     ) -> None:
         """Prepare the loop; no row is native yet (see `rows`).
 
         Datagrams with the payload numbers ``at_once`` are handed over before any later one is handled. ``bounds`` are
-        those of the histogram of handling times, in seconds.
+        those of the histogram of handling times, in seconds. ``observers`` get a copy of each datagram.
         """
         self._core, self._destinations = core, destinations
         self.reasons: dict[str, str] = {}
@@ -80,12 +76,14 @@ class DatagramLoop:
         self._topic_structs = (native.Topic * len(self._topics))()
         numbered = {number: native.Row(number=number, at_once=1, longest=ANY_LENGTH) for number in at_once}
         functions, first = native.MiddlewareFunctions(), 0
+        taps: dict[int, Sequence[Tap]] = {len(self._topics): observers}
         for row in able:
             number = row.handler.route.number
             numbered[number] = native.Row(number=number, first_topic=first, topics=len(row.publishers))
             for index, (handler, publisher) in enumerate(row.publishers, first):
                 self._topic_structs[index].translation = core.index_of(handler)
-                publisher.lend_to(self._topic_structs[index], functions)
+                taps[index] = publisher.lend_to(self._topic_structs[index], functions)
+                self._topic_structs[index].observed = bool(taps[index])
                 if handler.route.qos.durability == "transient_local":  # for subscribers that come later
                     self._topic_structs[index].wanted = True
             first += len(row.publishers)
@@ -101,6 +99,7 @@ class DatagramLoop:
         )
         self._bounds = (ctypes.c_double * len(bounds))(*bounds)
         self._failure: BaseException | None = None
+        self._ring = ObserverRing(core, taps, "observe-datagrams") if any(taps.values()) else None
         self._bridge = native.Bridge(
             table=ctypes.pointer(core.table),
             workspace=core.new_workspace(),
@@ -108,13 +107,14 @@ class DatagramLoop:
             rows=self._row_structs,
             destinations=self._destination_structs,
             middleware=functions,
+            observers=ctypes.pointer(self._ring.struct) if self._ring is not None else None,
+            observed=bool(observers),
             bounds=self._bounds,
             n_topics=len(self._topics),
             n_rows=len(self._row_structs),
             n_destinations=len(destinations),
             n_bounds=len(bounds),
         )
-
         if core.library.rl_check_bridge(ctypes.byref(self._bridge)):
             raise NoCoreError("the native library refuses the bridge; report this as a bug of roverlink")
 
@@ -149,6 +149,8 @@ class DatagramLoop:
 
         def guarded(call: Callable[..., None], *arguments: Any) -> int:
             try:
+                if self._ring is not None:  # what Python handles is newer
+                    self._ring.empty()
                 call(*arguments)
             except BaseException as failure:  # noqa: BLE001  # `run` raises it
                 self._failure = failure
@@ -162,10 +164,19 @@ class DatagramLoop:
         )
         self._bridge.socket, self._bridge.wake, self._bridge.largest = sock.fileno(), wake.fileno(), largest
 
+    def __enter__(self) -> DatagramLoop:
+        if self._ring is not None:
+            self._ring.__enter__()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._ring is not None:
+            self._ring.__exit__()
+
     def run(self) -> None:
-        """Handle datagrams until `stop` is called. Raises what a function of `open` raised."""
-        if self._core.library.rl_receive(ctypes.byref(self._bridge)) and self._failure is not None:
-            raise self._failure
+        """Handle datagrams until `stop` is called. Raises what a function of `open` raised, or `MemoryError`."""
+        if self._core.library.rl_receive(ctypes.byref(self._bridge)):
+            raise self._failure or MemoryError("for the datagrams of the native core")
 
     def stop(self, *, stopping: bool = True) -> None:
         """Make `run` return, with data on ``wake`` at once. With ``stopping`` false, let it run again."""

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
+from roverlink.runtime.core.errors import MiddlewareError
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
-
-
-class LentTopic(NamedTuple):
-    """Topic whose messages the native core takes and sends."""
-
-    struct: native.Subscription
-    send: Callable[[bytes], None]
-    """Function that sends a datagram that the core could not send."""
+from roverlink.runtime.native.lending import LentTopic
+from roverlink.runtime.native.observer_ring import ObserverRing
 
 
 class Topic(Protocol):
@@ -52,6 +48,7 @@ class TopicLoop:
             native.Pass(lambda index, one: self._guarded(self._send, index, native.bytes_of(one[0]))),
         )
         self._server = native.Server()
+        self._ring: ObserverRing | None = None
 
     def prepare(self, topics: Sequence[Topic]) -> None:
         """Serve these topics at the next `run`, the most urgent first."""
@@ -60,6 +57,14 @@ class TopicLoop:
             if topic.lent is not None:
                 structs[index] = ctypes.pointer(topic.lent.struct)
         self._topics = topics
+        self.close()
+        taps: dict[int, Sequence[Tap]] = {}
+        for index, topic in enumerate(topics):
+            if (lent := topic.lent) is not None:
+                lent.struct.observed = bool(lent.taps) + 2 * bool(lent.datagram_taps)
+                taps |= {2 * index: lent.taps, 2 * index + 1: lent.datagram_taps}
+        if any(taps.values()):
+            self._ring = ObserverRing(self._core, taps, "observe-topics").__enter__()
         self._server = native.Server(
             table=ctypes.pointer(self._core.table),
             workspace=self._workspace,
@@ -67,22 +72,28 @@ class TopicLoop:
             priorities=(ctypes.c_int32 * len(topics))(*(topic.priority for topic in topics)),
             reading=self._reading,
             calls=self._calls,
+            observers=ctypes.pointer(self._ring.struct) if self._ring is not None else None,
             n_topics=len(topics),
         )
 
     def run(self, waitset: int) -> None:
-        """Serve the topics until `stop` is called. Raises what a callback raised.
+        """Serve the topics until `stop` is called. Raises what a callback raised, or `MiddlewareError`.
 
         What triggers ``waitset`` is the index of a topic; -1 only wakes the loop.
         """
         self._server.waitset = waitset
-        self._core.library.rl_serve(ctypes.byref(self._server))
-        if self._failure is not None:
-            raise self._failure
+        if self._core.library.rl_serve(ctypes.byref(self._server)):
+            raise self._failure or MiddlewareError("the native core cannot wait for messages")
 
     def stop(self) -> None:
         """Make `run` return after the wait set was triggered. Undone by `prepare`."""
         self._server.stopping = True
+
+    def close(self) -> None:
+        """Pass on what observers have not got yet. The next `prepare` undoes it."""
+        if self._ring is not None:
+            self._ring.__exit__()
+            self._ring = None
 
     def _send(self, index: int, datagram: bytes) -> None:
         lent = self._topics[index].lent
@@ -91,6 +102,8 @@ class TopicLoop:
 
     def _guarded(self, call: Callable[..., None], *arguments: Any) -> int:
         try:
+            if self._ring is not None:  # what Python handles is newer
+                self._ring.empty()
             call(*arguments)
         except BaseException as failure:  # noqa: BLE001  # `run` raises it
             self._failure = failure

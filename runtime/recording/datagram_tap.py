@@ -18,12 +18,14 @@ class DatagramTap:
     """
 
     def __init__(self, recorder: Recorder, registry: Registry) -> None:
-        self._received = recorder.datagrams("received")
-        self._sent = {peer.name: recorder.datagrams(f"sent/{peer.name}") for peer in registry.peers}
+        self.received = recorder.datagrams("received")
+        """Function that records received datagrams."""
+        self.sent = {peer.name: recorder.datagrams(f"sent/{peer.name}") for peer in registry.peers}
+        """Function that records the datagrams to a peer, by the peer's name."""
 
     def receiving(self, handle: Handle) -> Handle:
         """Wrap ``handle`` so that each received batch is recorded before it is handled."""
-        tap = self._received
+        tap = self.received
 
         def received(batch: udp.Batch) -> None:
             # Before the bridge handles it: a datagram that makes the bridge fail is the one that somebody needs to see.
@@ -34,7 +36,7 @@ class DatagramTap:
 
     def sending(self, peer: str, send: Send) -> Send:
         """Wrap ``send`` so that datagrams are recorded before they are sent."""
-        tap = self._sent[peer]
+        tap = self.sent[peer]
 
         def made(datagrams: Sequence[bytes]) -> int:
             tap(datagrams)

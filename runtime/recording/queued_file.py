@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from roverlink.runtime.middleware.tapping import Tap
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.recording import file_names
 from roverlink.runtime.recording.clocks import ClockJump, RunClock
 from roverlink.runtime.recording.mcap_file import CLOCK_JUMP, Channel, Entry, McapFile
@@ -70,14 +70,18 @@ class QueuedFile:
         self.channels.append(channel)
         number, waiting, start, monotonic, wall = channel.id, self.waiting, self._clock.start, *self._clock.clocks
 
-        def tap(messages: Sequence[bytes]) -> None:
+        def tap(messages: Sequence[bytes], arrived: Sequence[int] = ()) -> None:
             # Checked once for each batch, so the queue may exceed the limit by one batch.
             if len(waiting) >= self.limit:
                 self.lost[number] += len(messages)
                 return
-            arrived, shown = start + monotonic(), wall()
+            now, shown = monotonic(), wall()
+            if arrived:
+                for message, at in zip(messages, arrived):
+                    waiting.append((start + at, shown + at - now, number, message))
+                return
             for message in messages:
-                waiting.append((arrived, shown, number, message))
+                waiting.append((start + now, shown, number, message))
 
         return tap
 

@@ -20,7 +20,7 @@ from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.periodic_thread import AlarmedThread
 from roverlink.runtime.core.registry import Registry
-from roverlink.runtime.middleware.tapping import Tap
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.recording import file_names
 from roverlink.runtime.recording.clocks import RunClock
 from roverlink.runtime.recording.mcap_file import Entry

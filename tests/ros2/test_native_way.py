@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import socket
+from collections import defaultdict
 from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Any
@@ -14,8 +15,12 @@ from polling import wait_until
 
 from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos
+from roverlink.runtime.bridge.bridge import Send
+from roverlink.runtime.bridge.handling_times import Handle
 from roverlink.runtime.core.handler import UNSTAMPED
+from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.middleware.tapping import TappedMiddleware
 from roverlink.runtime.ros_arguments import parameters
 
 pytestmark = needs_native
@@ -53,12 +58,35 @@ def _installed(middleware: str, environment: dict[str, str]) -> None:
         pytest.skip(reason)
 
 
+class _Observer:
+    """Keeps the end of each message, whose beginning may have a stamp, and each datagram."""
+
+    def __init__(self) -> None:
+        self.seen: defaultdict[str, list[bytes]] = defaultdict(list)
+        self.received = self._tap("received", 0)
+        self.sent = {peer: self._tap(f"sent to {peer}", 0) for peer in REGISTRY.peers_by_name}
+
+    def _tap(self, name: str, start: int) -> Tap:
+        return lambda messages, arrived=(): self.seen[name].extend(message[start:] for message in messages)
+
+    def topic(self, topic: str, *_: object) -> Tap:
+        return self._tap(topic, -16)
+
+    def receiving(self, handle: Handle) -> Handle:
+        return lambda batch: (self.received(batch), handle(batch))[1]
+
+    def sending(self, peer: str, send: Send) -> Send:
+        return lambda datagrams: (self.sent[peer](datagrams), send(datagrams))[1]
+
+
 def _waiting(sock: socket.socket, count: int) -> list[bytes]:
     sock.settimeout(30)
     return sorted(sock.recv(65_536) for _ in range(count))
 
 
-def _bridged(middleware: str, native: bool, policy: str, caplog: pytest.LogCaptureFixture) -> Sequence[Any]:
+def _bridged(
+    middleware: str, native: bool, policy: str, observers: Sequence[_Observer], caplog: pytest.LogCaptureFixture
+) -> Sequence[Any]:
     """What arrives on two topics and at both peers, and what is counted."""
     peers = {name: socket.socket(type=socket.SOCK_DGRAM) for name in ("hardware", "basestation")}
     ports = {"hardware": "dst_b_port", "basestation": "dst_a_port"}
@@ -72,7 +100,11 @@ def _bridged(middleware: str, native: bool, policy: str, caplog: pytest.LogCaptu
     caplog.clear()
     with open_middleware("dds", NodeIdentity("observer")) as observer:
         node = open_middleware(middleware, NodeIdentity("bridge"))
-        bridge = Bridge(REGISTRY, settings, node, lambda topic: f"/{topic}", logging.getLogger("native_way"))
+        tapped = node
+        for one in observers:
+            tapped = TappedMiddleware(tapped, one)
+        logger = logging.getLogger("native_way")
+        bridge = Bridge(REGISTRY, settings, tapped, lambda topic: f"/{topic}", logger, observers)
         with bridge:
             for topic, messages in arrived.items():
                 observer.subscribe(f"/{topic}", types[topic], Qos(depth=100), messages.extend)
@@ -100,11 +132,15 @@ def _bridged(middleware: str, native: bool, policy: str, caplog: pytest.LogCaptu
     return counted, {topic: [message[-16:] for message in messages] for topic, messages in arrived.items()}, forwarded
 
 
-@pytest.mark.parametrize("policy", ["mapping", "all"])
-def test_both_ways_do_the_same(middleware: str, policy: str, caplog: pytest.LogCaptureFixture) -> None:
-    """Rows, extra topics, forwards and commands; and datagrams that the core hands over, with the reasons of drops."""
+@pytest.mark.parametrize(("policy", "observed"), [("mapping", False), ("all", False), ("mapping", True)])
+def test_both_ways_do_the_same(middleware: str, policy: str, observed: bool, caplog: pytest.LogCaptureFixture) -> None:
+    """Rows, extra topics, forwards and commands; datagrams that the core hands over; and what observers get."""
     caplog.set_level(logging.INFO)
-    found = [_bridged(middleware, native, policy, caplog) for native in (False, True)]
+    observers = [[_Observer()] if observed else [] for _ in range(2)]
+    found = [_bridged(middleware, native, policy, given, caplog) for native, given in zip((False, True), observers)]
+    if observed:
+        assert observers[0][0].seen == observers[1][0].seen
+        assert len(observers[0][0].seen) > len(_INBOUND)
     for counted, _, _ in found:
         for own in ("stops", "unsent", "qos_mismatches"):  # of the moment
             del counted[own]

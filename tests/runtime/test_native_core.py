@@ -13,19 +13,20 @@ import pytest
 from needs import needs_native
 
 from generated.registry import REGISTRY
-from roverlink.runtime.native import core, layout
+from roverlink.runtime.native import bridge_layout, core, layout
 from roverlink.runtime.native.operations import PRIMITIVES
 
 _ROOT = Path(__file__).parents[2]
 _HEADER = _ROOT / "native" / "include" / "roverlink" / "native.h"
-_TYPES = {
-    "uint8_t": ctypes.c_uint8,
-    "uint16_t": ctypes.c_uint16,
-    "uint32_t": ctypes.c_uint32,
-    "int64_t": ctypes.c_int64,
-    "uint64_t": ctypes.c_uint64,
-    "double": ctypes.c_double,
-}
+_NAMES = {"MiddlewareFunctions": "middleware", "ServingCalls": "serving_calls"}
+_PLACES = """#include <cstddef>
+#include <cstdio>
+#include "roverlink/bridge.h"
+#define PLACE(type, member) std::printf("%zu+%zu\\n", offsetof(type, member), sizeof(type::member))
+int main() {{
+{}
+}}
+"""
 _ENUMS = {
     "rl_code": layout.Code,
     "rl_op_flag": layout.Flag,
@@ -40,7 +41,7 @@ def _header() -> str:
 
 
 def test_python_describes_the_interface_that_the_header_declares() -> None:
-    """The same names, the same numbers, the same members of structs."""
+    """The same names with the same numbers."""
     header = _header()
     assert int(re.search(r"RL_INTERFACE (\d+)", header)[1]) == layout.INTERFACE  # type: ignore[index]
     for name, enum in _ENUMS.items():
@@ -57,16 +58,28 @@ def test_python_describes_the_interface_that_the_header_declares() -> None:
         assert declared == {one.name: one.value for one in enum}, name
     (primitives,) = re.findall(r"enum rl_primitive {(.*?) RL_PRIMITIVES", header.replace("\n", " "))
     assert [one.strip().removeprefix("RL_").lower() for one in primitives.split(",")][:-1] == list(PRIMITIVES)
-    structs = re.findall(r"typedef struct (rl_\w+) {(.*?)} \1;", header, re.DOTALL)
-    assert len(structs) == 7
-    for name, body in structs:
-        members = []
-        for type_name, names in re.findall(r"(?:const )?(\w+)\s+([^;]+);", body):
-            for member in names.split(","):
-                pointer = member.strip().startswith("*")
-                pointed = _TYPES.get(type_name) or getattr(layout, type_name.removeprefix("rl_").capitalize())
-                members.append((member.strip(" *"), ctypes.POINTER(pointed) if pointer else pointed))
-        assert members == list(getattr(layout, name.removeprefix("rl_").capitalize())._fields_), name
+
+
+def test_structs_have_the_members_of_the_headers_at_the_same_places(tmp_path: Path) -> None:
+    """A C++ compiler says where each member of a struct of ctypes is in the headers, and how large it is."""
+    if shutil.which("g++") is None:
+        pytest.skip("need g++ (apt-get install g++)")
+    structs = {
+        f"rl_{_NAMES.get(name, name.lower())}": struct
+        for module in (layout, bridge_layout)
+        for name, struct in vars(module).items()
+        if isinstance(struct, type(ctypes.Structure)) and struct.__module__ == module.__name__
+    }
+    assert len(structs) == 19
+    members = [(struct, name) for struct, made in structs.items() for name, *_ in made._fields_]
+    lines = [f"PLACE({struct}, {name});" for struct, name in members]
+    lines += [f'std::printf("%zu\\n", sizeof({struct}));' for struct in structs]
+    source = tmp_path / "places.cpp"
+    source.write_text(_PLACES.format("\n".join(lines)), encoding="utf-8")
+    subprocess.run(["g++", f"-I{_ROOT / 'native/include'}", "-o", source.with_suffix(""), source], check=True)
+    told = subprocess.run([source.with_suffix("")], capture_output=True, text=True, check=True).stdout.split()
+    places = [f"{place.offset}+{place.size}" for struct, name in members for place in [getattr(structs[struct], name)]]
+    assert told == [*places, *(str(ctypes.sizeof(made)) for made in structs.values())]
 
 
 @pytest.mark.slow

@@ -28,6 +28,19 @@ typedef struct rl_datagram {
   size_t size;
 } rl_datagram;
 
+/* Copies of messages and datagrams for observers such as a recorder, as records: the number of bytes and the channel (two
+ * uint32_t), the time in nanoseconds of the monotonic clock (int64_t), and the bytes, filled up to a multiple of eight.
+ * What finds no room is handed to Python, which first empties the ring. */
+typedef struct rl_ring {
+  uint8_t *memory;
+  uint64_t room;     /* bytes */
+  uint64_t written;  /* N: bytes since the start */
+  uint64_t read;     /* bytes since the start, by `rl_take_records` */
+} rl_ring;
+
+/* Copy all records to `out`, which has the room of the ring, and remove them. Returns the number of bytes. */
+RL_API size_t rl_take_records(rl_ring *, uint8_t *out);
+
 /* Serialized message of rcl: rcutils_uint8_array_t, whose allocator is not used for publishing. */
 typedef struct rl_rcl_message {
   const uint8_t *buffer;
@@ -49,7 +62,7 @@ typedef struct rl_topic {
   uint32_t translation;
   uint32_t wanted;        /* P: 1 if the topic has subscribers, or keeps messages for later ones */
   int32_t writer;         /* of Cyclone DDS, with the type of its samples */
-  uint32_t unused;
+  uint32_t observed;      /* 1 if observers get the messages; the channel is the index of the topic */
   const void *sertype;
   const void *publisher;  /* of rcl */
   int64_t paused_until;   /* in nanoseconds of the monotonic clock: no message is published before */
@@ -91,6 +104,7 @@ typedef struct rl_bridge {
   rl_destination *destinations;
   rl_middleware middleware;
   rl_calls calls;
+  rl_ring *observers;          /* null without observers */
   const double *bounds;        /* of the buckets of the histogram, in seconds */
   uint64_t latencies[RL_BUCKETS]; /* N: datagrams by the time that their burst needed */
   double latency_sum;          /* N: seconds */
@@ -98,6 +112,8 @@ typedef struct rl_bridge {
   uint32_t n_topics, n_rows, n_destinations, n_bounds;
   int32_t socket, wake;        /* file descriptors */
   uint32_t largest;            /* longest datagram that is read; longer ones are cut */
+  uint32_t observed;           /* 1 if observers get the datagrams, on the channel behind those of the topics */
+  uint32_t unused;
   uint32_t stopping;           /* P: 1 makes `rl_receive` return, also if datagrams arrive all the time */
 } rl_bridge;
 
@@ -134,7 +150,8 @@ typedef struct rl_subscription {
   uint32_t native;         /* P: 0 hands the messages over, and also datagrams that are not sent yet */
   const int32_t *socket;   /* P: see rl_destination */
   uint32_t segments;
-  uint32_t unused;
+  uint32_t observed;       /* bits: 1 if observers get the messages, on channel 2 * index; 2 if they get the datagrams, on
+                              the next channel */
   uint64_t taken, sent;    /* N */
   int64_t sent_at;         /* N: time of the last datagram, in nanoseconds of the monotonic clock */
 } rl_subscription;
@@ -153,6 +170,7 @@ typedef struct rl_server {
   const int32_t *priorities;       /* of the topics */
   rl_reading reading;
   rl_serving_calls calls;
+  rl_ring *observers;              /* null without observers */
   uint32_t n_topics;
   int32_t waitset;                 /* what triggers it is an index in `topics`, or -1 for `stopping` */
   uint32_t stopping;               /* P: 1 makes `rl_serve` return */
