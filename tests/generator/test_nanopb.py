@@ -466,12 +466,7 @@ def _found(root: Path, files: Mapping[str, str]) -> list[str]:
 
 def test_findings_say_what_is_wrong_with_a_line(tmp_path: Path) -> None:
     """Each line has a finding of its own, at what is wrong in it; the lines around it are read all the same."""
-    lines = [
-        "p.q.M.s",
-        "p.q.M.s max_size:5 max_sise:4",
-        "*.r /* n */ max_count:-1",
-        "*.r max_count:x",
-    ]
+    lines = ["p.q.M.s", "p.q.M.s max_size:5 max_sise:4", "*.r /* n */ max_count:-1", "*.r max_count:x"]
     assert _found(tmp_path, {"a.proto": _HOST, "a.options": "\n".join(lines)}) == [
         "proto/a.options:1:1: error[NPB101] the pattern 'p.q.M.s' has no options\n"
         "  help: for example, write `p.q.M.s max_size:16`",
