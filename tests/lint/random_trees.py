@@ -15,8 +15,9 @@ from random import Random
 from typing import TypeVar
 
 _SUBJECTS = ("motor", "battery", "gripper", "boom", "tank", "mast", "wheel", "hull", "drill", "antenna")
-_QUANTITIES = ["voltage", "temperature", "humidity", "pressure", "brightness", "torque", "mass", "position"]
-_QUANTITIES += ["resistance"]
+_QUANTITIES = [
+    *("voltage", "temperature", "humidity", "pressure", "brightness", "torque", "mass", "position", "resistance"),
+]
 _ABBREVIATED = {"temperature": "temp", "position": "pos"}
 _OPPOSITE = {"left": "right", "front": "rear", "min": "max", "start": "stop", "x": "y", "read": "write"}
 _OPPOSITE |= {second: first for first, second in _OPPOSITE.items()}
