@@ -20,9 +20,20 @@ constexpr int64_t TICK_NS = 2'000'000'000;
 constexpr int64_t PAUSE = 9;  // a publisher that made the thread wait is left alone for so many times as long
 constexpr int SDK_DATA = 2;   // enum ddsi_serdata_kind
 
+constexpr size_t SENDERS = 256;  // whose admission is remembered
+constexpr size_t ADMITTED = 8;   // words of 64 bits, each bit for a row
+
+// Sender from which some rows were admitted.
+struct Sender {
+  uint8_t address[28];      // struct sockaddr_in or sockaddr_in6
+  uint32_t size;            // bytes of the address; 0 for none
+  uint64_t rows[ADMITTED];  // bit by index of the row
+};
+
 struct Reading {
   mmsghdr headers[RL_SLOTS];
   iovec places[RL_SLOTS];
+  sockaddr_storage senders[RL_SLOTS];
   rl_datagram datagrams[RL_SLOTS];
 };
 
@@ -88,16 +99,21 @@ class Loop {
   }
 
   uint32_t read() {
+    const bool with_senders = load(bridge_.checks_senders);
     for (size_t slot = 0; slot < RL_SLOTS; ++slot) {
       msghdr &header = reading_[0].headers[slot].msg_hdr;
       header = {};
+      header.msg_name = with_senders ? &reading_[0].senders[slot] : nullptr;
+      header.msg_namelen = with_senders ? sizeof reading_[0].senders[slot] : 0;
       header.msg_iov = &reading_[0].places[slot];
       header.msg_iovlen = 1;
     }
     const int count = recvmmsg(bridge_.socket, reading_[0].headers, RL_SLOTS, MSG_DONTWAIT, nullptr);
     for (int slot = 0; slot < count; ++slot) {
       const mmsghdr &header = reading_[0].headers[slot];
-      reading_[0].datagrams[slot] = {static_cast<const uint8_t *>(reading_[0].places[slot].iov_base), header.msg_len};
+      const msghdr &sender = header.msg_hdr;
+      reading_[0].datagrams[slot] = {static_cast<const uint8_t *>(reading_[0].places[slot].iov_base), header.msg_len,
+                                     sender.msg_name, sender.msg_namelen};
     }
     return count > 0 ? static_cast<uint32_t>(count) : 0;
   }
@@ -153,6 +169,7 @@ class Loop {
   // has to be handed over.
   bool publish(const rl_row &row, const rl_datagram &datagram, const Burst &burst) {
     if (!load(row.native) || datagram.size > load(row.longest)) return false;
+    if (load(bridge_.checks_senders) && !is_admitted(row, datagram)) return false;
     // The messages of a topic keep their order.
     const uint32_t *const others = burst.handed_over_rows, *const end = others + burst.n_handed_over;
     if (std::find(others, end, row.number) != end) return false;
@@ -193,6 +210,37 @@ class Loop {
       used += (size + 7) & ~size_t{7};
     }
     return true;
+  }
+
+  // Python has decided once that the row may come from the sender, and learns nothing from another datagram.
+  bool is_admitted(const rl_row &row, const rl_datagram &datagram) {
+    const auto index = static_cast<uint32_t>(&row - bridge_.rows);
+    if (datagram.sender == nullptr || datagram.sender_size > sizeof(Sender::address)) return false;
+    if (index >= ADMITTED * 64) return false;
+    if (const uint32_t now = load(bridge_.senders); now != senders_as_of_) {
+      std::fill(senders_, senders_ + SENDERS, Sender{});
+      senders_as_of_ = now;
+    }
+    Sender &sender = senders_[place_of(datagram)];
+    const bool is_known = sender.size == datagram.sender_size &&
+                          std::memcmp(sender.address, datagram.sender, datagram.sender_size) == 0;
+    const uint64_t bit = uint64_t{1} << index % 64;
+    if (is_known && (sender.rows[index / 64] & bit) != 0) return true;
+    if (bridge_.calls.admit(index, &datagram) != 1) return false;
+    if (!is_known) {
+      sender = {};
+      sender.size = static_cast<uint32_t>(datagram.sender_size);
+      std::memcpy(sender.address, datagram.sender, datagram.sender_size);
+    }
+    sender.rows[index / 64] |= bit;
+    return true;
+  }
+
+  static size_t place_of(const rl_datagram &datagram) {
+    uint32_t hash = 2166136261u;  // FNV-1a
+    for (size_t one = 0; one < datagram.sender_size; ++one)
+      hash = (hash ^ static_cast<const uint8_t *>(datagram.sender)[one]) * 16777619u;
+    return (hash ^ hash >> 16) % SENDERS;
   }
 
   bool wanted(const rl_topic &topic) const {
@@ -293,6 +341,8 @@ class Loop {
   uint32_t n_touched_ = 0;
   uint32_t unpublished_[WRITES] = {};
   uint32_t n_unpublished_ = 0;
+  Sender senders_[SENDERS] = {};
+  uint32_t senders_as_of_ = 0;
   uint64_t handled_ = 0;
   int64_t next_tick_ = 0;
 };

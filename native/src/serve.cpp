@@ -100,7 +100,7 @@ class Server {
         begin = write_varint_before(begin, uint64_t{topic.number} << 3 | DELIMITED);
         const auto made = static_cast<size_t>(end - begin);
         if (observe(index, topic, size, made)) {
-          datagrams_[n_datagrams_++] = {begin, made};
+          datagrams_[n_datagrams_++] = {begin, made, nullptr, 0};
           free_ = static_cast<size_t>(begin - out_.get());
           add(topic.taken, 1);
           return 0;
@@ -114,7 +114,7 @@ class Server {
       if (whole == nullptr) return -1;
       server_.reading.bytes(sample, 0, size, whole.get());
     }
-    const rl_datagram message = {whole != nullptr ? whole.get() : message_.get(), size};
+    const rl_datagram message = {whole != nullptr ? whole.get() : message_.get(), size, nullptr, 0};
     return server_.calls.take(index, &message);
   }
 

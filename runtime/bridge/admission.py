@@ -39,6 +39,10 @@ class Admission:
         for translator in tuple(self._translators.values()):
             translator.refuse(rows)
 
+    def always_admits(self, source: Address, peer: str) -> bool:
+        """Return true if all datagrams of a peer are admitted from an address, at any rate."""
+        return self._gate.always_admits(source, peer)
+
     def sort(self, batch: Iterable[tuple[bytes, Address]], now: float) -> Mapping[Translator, list[bytes]]:
         """Group the admitted datagrams of a batch by translator.
 

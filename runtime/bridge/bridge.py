@@ -313,11 +313,13 @@ class Bridge:
             sock,
             wake,
             self._parameters.max_datagram + 1,
-            self._handle_observed,
             self._not_accepted,
             lambda destination, datagrams: self._forwarding.hand_on(datagrams, destination),
+            self._is_settled,
         )
         way.follow(self._parameters.forward_policy)
+        self._ends.on_learned = way.loop.forget_senders
+        self._logger.info("%s", way.summary())
         if self._link is not None:
             self._link.native = way
         return way
@@ -332,14 +334,20 @@ class Bridge:
         return "" if able else "an observer has to see the datagrams before the bridge does"
 
     def _choose_way(self) -> None:
-        """Let the native core read the socket, unless a parameter says that Python has to see all datagrams."""
-        policy, learns = _reading(self._parameters)
-        restricts = policy == "mapping" and restricts_sources(self._registry.peers)
+        """Let the native core read the socket, and pass the datagrams that it does not handle to the right function."""
         if self._native is None:
             return
-        reason = "its sender is checked" if restricts else "an address is learned" if learns else ""
-        self._receiver.use(None if reason else self._native.loop)
-        self._logger.info("%s", self._native.summary(reason))
+        handle, reader = self._receiving(self._parameters)
+        self._native.loop.pass_to(handle, _WITH_SENDER[reader])
+        self._receiver.use(self._native.loop)
+
+    def _is_settled(self, row: str, sender: Sender) -> bool:
+        """Return true if another datagram of a row from a sender needs no decision: neither admission nor learning."""
+        policy, _ = _reading(self._parameters)
+        route = self._registry.by_name[row].route
+        if policy == "mapping" and not self._admission.always_admits(sender.ip, route.peer):
+            return False
+        return self._ends.knows(row, sender.address)
 
     def _not_accepted(self, handler: AnyHandler | AnyStandardHandler) -> None:
         """Count a message of the native core that the middleware has not accepted."""
@@ -491,6 +499,14 @@ class Bridge:
                 wanted,
                 wanted,
             )
+
+
+_WITH_SENDER: dict[Callable[..., Any], Callable[[bytes, Sender], Any] | None] = {
+    udp.reader: None,
+    udp.source_reader: lambda datagram, sender: (datagram, sender.ip),
+    udp.sender_reader: lambda datagram, sender: (datagram, sender),
+}
+"""How the functions of the readers get a datagram and its sender; None if they get only the datagram."""
 
 
 def _reading(parameters: Parameters) -> tuple[str, bool]:

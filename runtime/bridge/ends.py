@@ -70,8 +70,12 @@ class Ends:
 
         ``own`` is the socket on which the bridge receives. If it receives only IPv4, names get IPv4 addresses.
         """
+        self.on_learned: Callable[[], None] = lambda: None
+        """Function that is called when the address of an end was learned."""
         self._steered = {
-            name: _Steering(name, end, partial(_note, counters, name), own.family == socket.AF_INET)
+            name: _Steering(
+                name, end, partial(_note, counters, name), lambda: self.on_learned(), own.family == socket.AF_INET
+            )
             for name, end in registry.ends.items()
         }
         self.destinations: Mapping[EndName, Destination] = {
@@ -113,6 +117,11 @@ class Ends:
                 if name.peer == speaker.peer and (name.board == speaker.board or "" in (name.board, speaker.board)):
                     steering.learn(sender)
 
+    def knows(self, row: str, sender: SocketAddress) -> bool:
+        """Return true if a datagram of a row from a sender teaches nothing: its end learns no address, or has this."""
+        steering = self._by_row.get(row)
+        return steering is None or steering.knows(sender)
+
     def states(self) -> dict[EndName, LinkState]:
         """Return the addresses of each end, with their state."""
         return {
@@ -134,8 +143,8 @@ def _note(counters: Counters, name: EndName, event: LinkEvent, text: str) -> Non
 class _Steering:
     """Steering of one end's destination: it directs the destination to the addresses of the end's hosts."""
 
-    def __init__(self, name: EndName, end: End, note: Note, ipv4_only: bool) -> None:
-        self._end, self._note, self._ipv4_only = end, note, ipv4_only
+    def __init__(self, name: EndName, end: End, note: Note, learned: Callable[[], None], ipv4_only: bool) -> None:
+        self._end, self._note, self._learned, self._ipv4_only = end, note, learned, ipv4_only
         self.destination = Destination(name, report=self._reachability_changed)
         self._lock = threading.RLock()
         self._running = False
@@ -185,6 +194,13 @@ class _Steering:
                 for watch in self._watches:
                     watch.start()
 
+    def knows(self, sender: SocketAddress) -> bool:
+        """Return true if a datagram from a sender changes nothing."""
+        if not self._learns:
+            return True
+        learned = self._targets.get(LEARN)
+        return learned is not None and learned.address == _with_port(sender, self._wanted.port or sender[1])
+
     def learn(self, sender: SocketAddress) -> None:
         """Direct the destination to the sender of a datagram, if the end's host is ``learn``."""
         wanted = self._wanted
@@ -199,6 +215,7 @@ class _Steering:
                 return  # the parameters have just changed
             self._targets[LEARN] = Target(address)
             self._direct()
+        self._learned()
         if before is None:
             self._note(LinkEvent.LEARNED, f"learned the address {hosts.text_of(address)}")
         else:

@@ -153,16 +153,14 @@ class NativeWay:
         for route, _, subscription in self._outbound:
             subscription.native = route.name not in self._refused
 
-    def summary(self, receiving: str) -> str:
-        """Return a text about the rows that the core handles, and why it does not handle the others.
-
-        ``receiving`` is the reason why Python receives all datagrams; empty if it does not.
-        """
-        inbound = [(name, receiving) for name in self.loop.rows if receiving]
-        signed = [
-            (name, "it is forwarded with a signature") for name in self.loop.rows if self._forwards[name].is_signed
-        ]
-        by_python = {**dict(inbound or ([] if self._to_all else signed)), **self.reasons}
+    def summary(self) -> str:
+        """Return a text about the rows that the core handles, and why it does not handle the others."""
+        signed = (
+            {}
+            if self._to_all
+            else {name: "it is forwarded with a signature" for name in self.loop.rows if self._forwards[name].is_signed}
+        )
+        by_python = signed | self.reasons
         rows = len({*self.loop.rows, *(route.name for route, _, _ in self._outbound), *self.reasons})
         if not by_python:
             return f"the native core handles all {rows} messages"

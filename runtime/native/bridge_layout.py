@@ -19,7 +19,12 @@ def _words(*names: str) -> tuple[tuple[str, Any], ...]:
 class Datagram(ctypes.Structure):
     """Bytes that have arrived."""
 
-    _fields_ = (("data", ctypes.c_void_p), ("size", ctypes.c_size_t))
+    _fields_ = (
+        ("data", ctypes.c_void_p),
+        ("size", ctypes.c_size_t),
+        ("sender", ctypes.c_void_p),
+        ("sender_size", ctypes.c_size_t),
+    )
 
 
 def bytes_of(datagram: Datagram) -> bytes:
@@ -82,13 +87,14 @@ class Destination(ctypes.Structure):
 
 Handle = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(Datagram), ctypes.c_uint32)
 NotPublished = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32)
+Admit = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram))
 Send = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram), ctypes.c_uint32)
 
 
 class Calls(ctypes.Structure):
     """Calls of Python."""
 
-    _fields_ = (("handle", Handle), ("not_published", NotPublished), ("send", Send))
+    _fields_ = (("handle", Handle), ("not_published", NotPublished), ("send", Send), ("admit", Admit))
 
 
 class Bridge(ctypes.Structure):
@@ -110,7 +116,7 @@ class Bridge(ctypes.Structure):
         *_words("n_topics", "n_rows", "n_destinations", "n_bounds"),
         ("socket", ctypes.c_int32),
         ("wake", ctypes.c_int32),
-        *_words("largest", "observed", "unused", "stopping"),
+        *_words("largest", "observed", "checks_senders", "senders", "unused", "stopping"),
     )
 
 

@@ -20,6 +20,7 @@ from roverlink.runtime.native.core import NativeCore, NoCoreError
 from roverlink.runtime.native.lending import NativePublisher
 from roverlink.runtime.native.observer_ring import ObserverRing
 from roverlink.runtime.net.destination import Destination, can_segment
+from roverlink.runtime.net.hosts import Sender, sender_of
 
 ANY_LENGTH = 0xFFFFFFFF
 """Length of the longest datagram of a row whose datagrams may have any length."""
@@ -99,6 +100,7 @@ class DatagramLoop:
         )
         self._bounds = (ctypes.c_double * len(bounds))(*bounds)
         self._failure: BaseException | None = None
+        self._path: tuple[Callable[[list[Any]], None], Callable[[bytes, Sender], Any] | None] = (lambda _: None), None
         self._ring = ObserverRing(core, taps, "observe-datagrams") if any(taps.values()) else None
         self._bridge = native.Bridge(
             table=ctypes.pointer(core.table),
@@ -135,17 +137,19 @@ class DatagramLoop:
         sock: socket.socket,
         wake: socket.socket,
         largest: int,
-        handle: Callable[[list[bytes]], None],
         not_published: Callable[[AnyHandler | AnyStandardHandler], None],
         send: Callable[[Destination, list[bytes]], None],
+        admit: Callable[[str, Sender], bool],
     ) -> None:
         """Read from ``sock``, at most ``largest`` bytes of a datagram; data on ``wake`` ends the wait for datagrams.
 
-        ``handle`` gets the datagrams that the core does not handle, and nothing once in two seconds.
         ``not_published`` gets the handler of a message that the middleware has not accepted. ``send`` gets the
-        datagrams that the core cannot send.
+        datagrams that the core cannot send. If senders are checked, ``admit`` returns true for a row and a sender whose
+        datagrams Python need not see until `forget_senders` is called.
         """
         topics, destinations = self._topics, self._destinations
+        names = {row.number: name for name, row in self.rows.items()}
+        rows = [names.get(row.number, "") for row in self._row_structs]
 
         def guarded(call: Callable[..., None], *arguments: Any) -> int:
             try:
@@ -158,11 +162,34 @@ class DatagramLoop:
             return 0
 
         self._bridge.calls = native.Calls(
-            native.Handle(lambda datagrams, count: guarded(handle, _bytes(datagrams, count))),
+            native.Handle(lambda datagrams, count: guarded(self._hand_over, datagrams, count)),
             native.NotPublished(lambda topic: guarded(not_published, topics[topic])),
             native.Send(lambda index, datagrams, count: guarded(send, destinations[index], _bytes(datagrams, count))),
+            native.Admit(lambda index, datagram: admit(rows[index], _sender(datagram[0]))),
         )
         self._bridge.socket, self._bridge.wake, self._bridge.largest = sock.fileno(), wake.fileno(), largest
+
+    def pass_to(self, handle: Callable[[list[Any]], None], with_sender: Callable[[bytes, Sender], Any] | None) -> None:
+        """Pass the datagrams that the core does not handle to ``handle``, and an empty batch once in two seconds.
+
+        If the senders are checked, ``with_sender`` makes a member of the batch of a datagram and its sender.
+        """
+        self._path = handle, with_sender  # one assignment, because each handler has its own form of batches
+        self._bridge.checks_senders = with_sender is not None
+        self.forget_senders()
+
+    def forget_senders(self) -> None:
+        """Ask again which rows may come from which senders."""
+        self._bridge.senders += 1
+
+    def _hand_over(self, datagrams: Any, count: int) -> None:
+        handle, with_sender = self._path
+        if with_sender is None:
+            handle(_bytes(datagrams, count))
+            return
+        # Without a sender, a datagram was read before the senders were checked: the next one comes with its sender.
+        found = [datagrams[index] for index in range(count) if datagrams[index].sender]
+        handle([with_sender(native.bytes_of(one), _sender(one)) for one in found])
 
     def __enter__(self) -> DatagramLoop:
         if self._ring is not None:
@@ -205,3 +232,7 @@ class DatagramLoop:
 
 def _bytes(datagrams: Any, count: int) -> list[bytes]:
     return [native.bytes_of(datagrams[index]) for index in range(count)]
+
+
+def _sender(datagram: native.Datagram) -> Sender:
+    return sender_of(ctypes.string_at(datagram.sender, datagram.sender_size))

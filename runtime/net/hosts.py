@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import socket
+import sys
 from functools import lru_cache
 from ipaddress import IPv6Address, ip_address
 from typing import NamedTuple
 
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
 """Address of a socket, as `socket.socket.sendto` takes it: IPv4 address and port, or the four values of IPv6."""
+
+
+SOCKADDR = {socket.AF_INET: 16, socket.AF_INET6: 28}
+"""Bytes of a sockaddr_in (ip(7): family, port, address, padding) and of a sockaddr_in6.
+
+In ipv6(7), these are: family, port, flow, address, scope.
+"""
 
 
 class Sender(NamedTuple):
@@ -59,3 +67,13 @@ def sender_at(address: SocketAddress) -> Sender:
     if isinstance(ip, IPv6Address) and ip.ipv4_mapped:
         return Sender(ip.ipv4_mapped.packed, (str(ip.ipv4_mapped), address[1]))
     return Sender(ip.packed, address)
+
+
+@lru_cache(4096)
+def sender_of(name: bytes) -> Sender:
+    """Return the sender for the bytes of a sockaddr_in or a sockaddr_in6."""
+    port = int.from_bytes(name[2:4], "big")
+    if len(name) == SOCKADDR[socket.AF_INET]:
+        return sender_at((socket.inet_ntoa(name[4:8]), port))
+    flow, scope = int.from_bytes(name[4:8], "big"), int.from_bytes(name[24:28], sys.byteorder)
+    return sender_at((socket.inet_ntop(socket.AF_INET6, name[8:24]), port, flow, scope))

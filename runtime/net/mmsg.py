@@ -14,10 +14,10 @@ import errno
 import os
 import socket
 import sys
-from functools import lru_cache
 from typing import Any
 
-from roverlink.runtime.net.hosts import Sender, sender_at
+from roverlink.runtime.net import hosts
+from roverlink.runtime.net.hosts import Sender
 
 AVAILABLE = sys.platform == "linux"
 
@@ -97,11 +97,6 @@ class BatchReader:
         ]
 
 
-_SOCKADDR = {socket.AF_INET: 16, socket.AF_INET6: 28}
-"""Bytes of a sockaddr_in (ip(7): family, port, address, padding) and of a sockaddr_in6.
-
-In ipv6(7), these are: family, port, flow, address, scope.
-"""
 _MAPPED = bytes(10) + b"\xff\xff"  # an IPv4 address as IPv6 begins with this (RFC 4291, section 2.5.5.2)
 
 
@@ -110,7 +105,7 @@ class SourceReader(BatchReader):
 
     def __init__(self, sock: socket.socket, size: int, slots: int) -> None:
         super().__init__(sock, size, slots)
-        self._length = _SOCKADDR[socket.AddressFamily(sock.family)]
+        self._length = hosts.SOCKADDR[socket.AddressFamily(sock.family)]
         self._names: Any = (ctypes.c_char * (self._length * slots))()
         start = ctypes.addressof(self._names)
         for slot in range(slots):
@@ -126,7 +121,7 @@ class SourceReader(BatchReader):
         """
         datagrams = self.read()
         names, length = self._names, self._length
-        if length != _SOCKADDR[socket.AF_INET]:
+        if length != hosts.SOCKADDR[socket.AF_INET]:
             starts = range(8, len(datagrams) * length, length)
             return [(datagram, _unmapped(names[start : start + 16])) for datagram, start in zip(datagrams, starts)]
         starts = range(4, len(datagrams) * length, length)
@@ -137,18 +132,10 @@ class SourceReader(BatchReader):
         datagrams = self.read()
         names, length = self._names, self._length
         starts = range(0, len(datagrams) * length, length)
-        return [(datagram, _sender(names[start : start + length])) for datagram, start in zip(datagrams, starts)]
+        return [
+            (datagram, hosts.sender_of(names[start : start + length])) for datagram, start in zip(datagrams, starts)
+        ]
 
 
 def _unmapped(ip: bytes) -> bytes:
     return ip[12:] if ip.startswith(_MAPPED) else ip
-
-
-@lru_cache(4096)
-def _sender(name: bytes) -> Sender:
-    """Return the sender for the bytes of a sockaddr_in or a sockaddr_in6."""
-    port = int.from_bytes(name[2:4], "big")
-    if len(name) == _SOCKADDR[socket.AF_INET]:
-        return sender_at((socket.inet_ntoa(name[4:8]), port))
-    flow, scope = int.from_bytes(name[4:8], "big"), int.from_bytes(name[24:28], sys.byteorder)
-    return sender_at((socket.inet_ntop(socket.AF_INET6, name[8:24]), port, flow, scope))

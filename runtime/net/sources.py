@@ -89,6 +89,11 @@ class SourceGate:
             )
         return source.peers
 
+    def always_admits(self, address: Address, peer: str) -> bool:
+        """Return true if `admit` lets all datagrams of a peer pass from an address, at any rate."""
+        source = self._known.get(address)
+        return source is not None and source.rate == math.inf and peer in source.peers
+
     def _add(self, address: Address, now: float) -> _Source:
         number, length = int.from_bytes(address, "big"), len(address)
         named = {name for name, size, network, mask in self._networks if size == length and number & mask == network}

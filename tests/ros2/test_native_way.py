@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 import socket
 from collections import defaultdict
@@ -58,6 +59,9 @@ def _installed(middleware: str, environment: dict[str, str]) -> None:
         pytest.skip(reason)
 
 
+_LEARN = {"host": "learn", "host_parameter": "hardware_host"}
+
+
 class _Observer:
     """Keeps the end of each message, whose beginning may have a stamp, and each datagram."""
 
@@ -85,7 +89,12 @@ def _waiting(sock: socket.socket, count: int) -> list[bytes]:
 
 
 def _bridged(
-    middleware: str, native: bool, policy: str, observers: Sequence[_Observer], caplog: pytest.LogCaptureFixture
+    middleware: str,
+    native: bool,
+    policy: str,
+    guarded: bool,
+    observers: Sequence[_Observer],
+    caplog: pytest.LogCaptureFixture,
 ) -> Sequence[Any]:
     """What arrives on two topics and at both peers, and what is counted."""
     peers = {name: socket.socket(type=socket.SOCK_DGRAM) for name in ("hardware", "basestation")}
@@ -94,7 +103,13 @@ def _bridged(
         sock.bind(("127.0.0.1", 0))
     given = {ports[name]: sock.getsockname()[1] for name, sock in peers.items()}
     given |= {"listen_port": 0, "listen_address": "127.0.0.1", "native_core": native, "forward_policy": policy}
-    settings = parameters.read(REGISTRY, given)
+    registry = REGISTRY
+    if guarded:
+        guards = [dataclasses.replace(peer, sources=("127.0.0.0/8",)) for peer in REGISTRY.peers]
+        guards = [dataclasses.replace(one, **(_LEARN if one.name == "hardware" else {})) for one in guards]
+        registry = dataclasses.replace(REGISTRY, peers=tuple(guards))
+        given["dst_b_port"] = 0
+    settings = parameters.read(registry, given)
     arrived: dict[str, list[bytes]] = {"pressure_info": [], _EXTRA: []}
     types = {handler.route.topic: handler.message_type for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics)}
     caplog.clear()
@@ -104,7 +119,7 @@ def _bridged(
         for one in observers:
             tapped = TappedMiddleware(tapped, one)
         logger = logging.getLogger("native_way")
-        bridge = Bridge(REGISTRY, settings, tapped, lambda topic: f"/{topic}", logger, observers)
+        bridge = Bridge(registry, settings, tapped, lambda topic: f"/{topic}", logger, observers)
         with bridge:
             for topic, messages in arrived.items():
                 observer.subscribe(f"/{topic}", types[topic], Qos(depth=100), messages.extend)
@@ -132,12 +147,22 @@ def _bridged(
     return counted, {topic: [message[-16:] for message in messages] for topic, messages in arrived.items()}, forwarded
 
 
-@pytest.mark.parametrize(("policy", "observed"), [("mapping", False), ("all", False), ("mapping", True)])
-def test_both_ways_do_the_same(middleware: str, policy: str, observed: bool, caplog: pytest.LogCaptureFixture) -> None:
-    """Rows, extra topics, forwards and commands; datagrams that the core hands over; and what observers get."""
+@pytest.mark.parametrize(
+    ("policy", "guarded", "observed"),
+    [("mapping", False, False), ("all", False, False), ("mapping", True, False), ("mapping", True, True)],
+)
+def test_both_ways_do_the_same(
+    middleware: str, policy: str, guarded: bool, observed: bool, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Rows, extra topics, forwards and commands; datagrams that the core hands over; and what observers get.
+
+    With a guard, only this computer may send, and the address of the hardware is learned.
+    """
     caplog.set_level(logging.INFO)
     observers = [[_Observer()] if observed else [] for _ in range(2)]
-    found = [_bridged(middleware, native, policy, given, caplog) for native, given in zip((False, True), observers)]
+    found = [
+        _bridged(middleware, native, policy, guarded, given, caplog) for native, given in zip((False, True), observers)
+    ]
     if observed:
         assert observers[0][0].seen == observers[1][0].seen
         assert len(observers[0][0].seen) > len(_INBOUND)

@@ -26,6 +26,8 @@ extern "C" {
 typedef struct rl_datagram {
   const uint8_t *data;
   size_t size;
+  const void *sender; /* struct sockaddr, if senders are checked */
+  size_t sender_size;
 } rl_datagram;
 
 /* Copies of messages and datagrams for observers such as a recorder, as records: the number of bytes and the channel (two
@@ -88,12 +90,14 @@ typedef struct rl_destination {
   uint32_t unused;
 } rl_destination;
 
-/* Calls of Python. All but the first get the index of a topic or a destination. Each returns 0; any other number ends
- * `rl_receive`. */
+/* Calls of Python. All but the first get the index of a topic or a destination. Each but the last returns 0; any other
+ * number ends `rl_receive`. */
 typedef struct rl_calls {
   int (*handle)(const rl_datagram *, uint32_t count); /* without datagrams: once in two seconds while some arrive */
   int (*not_published)(uint32_t topic);
   int (*send)(uint32_t destination, const rl_datagram *, uint32_t count);
+  /* 1 if Python need not see the datagrams of a row from a sender, until `senders` changes; 0 to hand one over */
+  int (*admit)(uint32_t row, const rl_datagram *);
 } rl_calls;
 
 typedef struct rl_bridge {
@@ -113,6 +117,8 @@ typedef struct rl_bridge {
   int32_t socket, wake;        /* file descriptors */
   uint32_t largest;            /* longest datagram that is read; longer ones are cut */
   uint32_t observed;           /* 1 if observers get the datagrams, on the channel behind those of the topics */
+  uint32_t checks_senders;     /* P: 1 if a row's datagrams need an admitted sender */
+  uint32_t senders;            /* P: changes if what was admitted holds no longer */
   uint32_t unused;
   uint32_t stopping;           /* P: 1 makes `rl_receive` return, also if datagrams arrive all the time */
 } rl_bridge;
