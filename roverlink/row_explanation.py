@@ -195,10 +195,10 @@ class Project:
         bridge = self.compiled.bridge
         file = self._member(route.number).file
         row = spelling.module(route.name)
-        wanted = [f"generated/handlers/{row}.py", f"generated/serializers/{row}.py"]
+        wanted = [f"generated/handlers/{row}.py"]
         for extra in named_extra_topics(bridge):
             if extra.route.number == route.number:
-                wanted += [f"generated/extra_topics/{extra.file}.py", f"generated/serializers/{extra.file}_topic.py"]
+                wanted.append(f"generated/extra_topics/{extra.file}.py")
         if route.conversion:
             wanted.append(f"generated/messages/{spelling.message_module(route.conversion.ros)}.py")
             wanted.append(f"generated/ros/{bridge.package}/msg/{route.conversion.ros}.msg")

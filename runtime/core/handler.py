@@ -126,29 +126,14 @@ class Handler(ABC, Generic[P, M]):
         row and field.
         """
         try:
-            return self._pack(payload)
-        except MISFITS:
-            return self._explained(payload)
+            return cdr.encode(self.to_ros(payload))
+        except MISFITS as error:
+            raise self._named(error) from error
 
     def from_cdr(self, data: bytes) -> P:
         """Parse a serialized ROS 2 message into a payload. Raises `ConversionError` that names row and field."""
         try:
             return self.from_ros(cdr.decode(self.message_type, data))
-        except MISFITS as error:
-            raise self._named(error) from error
-
-    # Generated handlers of fixed-size messages override this with one `struct` call, since the bridge does it for every
-    # datagram. It may raise any of `MISFITS`; the error of `to_cdr` names the field.
-    def _pack(self, payload: P) -> bytes:
-        """Serialize the ROS 2 message of a payload."""
-        return cdr.encode(self.to_ros(payload))
-
-    def _pack_all(self, payloads: Sequence[P], stamp: Time) -> list[bytes]:  # noqa: ARG002  # standard messages need it
-        return list(map(self._pack, payloads))
-
-    def _explained(self, payload: P) -> bytes:
-        try:
-            return cdr.encode(self.to_ros(payload))
         except MISFITS as error:
             raise self._named(error) from error
 
@@ -161,17 +146,7 @@ class Handler(ABC, Generic[P, M]):
 
 # A function, not a method: `help` of a generated handler shows only what programs call.
 def all_to_cdr(handler: Handler[P, M], payloads: Sequence[P], stamp: Time = UNSTAMPED) -> Serialized:
-    """Serialize several payloads of a row as ROS 2 messages; collect the errors instead of raising them.
-
-    If all payloads fit, each is serialized once. If one does not fit, all are serialized again, one by one, to find it.
-    """
-    try:
-        return Serialized(handler._pack_all(payloads, stamp), {})
-    except MISFITS:
-        return _one_by_one(handler, payloads, stamp)
-
-
-def _one_by_one(handler: Handler[P, M], payloads: Sequence[P], stamp: Time) -> Serialized:
+    """Serialize several payloads of a row as ROS 2 messages; collect the errors instead of raising them."""
     messages: list[bytes] = []
     misfits: dict[int, ConversionError] = {}
     for index, payload in enumerate(payloads):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TypeVar
 
 from roverlink.runtime.core import cdr
@@ -39,22 +39,9 @@ class StandardHandler(Handler[P, M]):
         Raises `ConversionError` that names row, topic and field.
         """
         try:
-            return self._pack(payload, stamp)
-        # The fast path gives no field name. Repeat on the slow path, which does; this happens only for errors.
-        except MISFITS:
-            pass
-        try:
             return cdr.encode(self.to_ros(payload, stamp))
         except MISFITS as error:
             raise self._named(error) from error
-
-    # Generated handlers whose varying fields have a fixed size override this with one `struct` call.
-    def _pack(self, payload: P, stamp: Time = UNSTAMPED) -> bytes:
-        """Serialize the message of a payload."""
-        return cdr.encode(self.to_ros(payload, stamp))
-
-    def _pack_all(self, payloads: Sequence[P], stamp: Time) -> list[bytes]:
-        return [self._pack(payload, stamp) for payload in payloads]
 
     def _named(self, error: Exception) -> ConversionError:
         return ConversionError(f"{self.route.name} on {self.route.topic}: {error}")

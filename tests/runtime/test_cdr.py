@@ -198,9 +198,3 @@ def test_floats_at_the_edges() -> None:
     assert nan != nan
     with pytest.raises(ConversionError, match="a_float32"):
         cdr.encode(Everything(a_float32=largest * 1.0001))
-
-
-def test_the_layout_of_a_message_of_variable_size_is_refused() -> None:
-    """Generated code that asks for a fixed layout where there is none fails when imported, with the type's name."""
-    with pytest.raises(TypeError, match="tests/msg/Everything has no fixed size"):
-        cdr.fixed_layout(Everything)

@@ -142,18 +142,6 @@ def test_a_number_too_large_for_the_payload_is_refused() -> None:
     assert math.isinf(handler.from_cdr(cdr.encode(handler.message_type(temperature=math.inf))).temperature_c)
 
 
-def test_the_template_is_what_the_codec_writes() -> None:
-    """A message packed around its constants equals one that is serialized whole, whatever stands between."""
-    message = _EXTRA_TOPICS["gps/fix"].message_type(latitude=1.5, position_covariance=[0.25] * 9)
-    message.header.frame_id = "a frame of some length"
-    made = cdr.template(message, ["header.stamp", "status.service", "latitude", "position_covariance"])
-    values = [7, 8, 3, 1.5, *message.position_covariance]
-    message.header.stamp, message.status.service = Time(7, 8), 3
-    head, frame, rest = made.constants[0], made.constants[1], made.constants[2:]
-    packed = made.layout.pack(head, *values[:2], frame, 3, 1.5, rest[0], *values[4:], *rest[1:])
-    assert packed == cdr.encode(message)
-
-
 @pytest.mark.parametrize(
     ("angles", "parts"),
     [

@@ -14,19 +14,16 @@ A message that consists only of primitive fields, also inside nested messages, i
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
 from typing import TypeVar
 
 from roverlink.runtime.core.cdr.encapsulation import LITTLE_ENDIAN, Codec
-from roverlink.runtime.core.cdr.fixed import fixed_codec, fixed_layout, layout, leaves_of
+from roverlink.runtime.core.cdr.fixed import fixed_codec, leaves_of
 from roverlink.runtime.core.cdr.misfit import UNWRITABLE, misfit, type_name
-from roverlink.runtime.core.cdr.template import Template
-from roverlink.runtime.core.cdr.template import template as template_of
 from roverlink.runtime.core.cdr.variable import variable_codec
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.messages import Message, cached_by_type
 
-__all__ = ["LITTLE_ENDIAN", "decode", "encode", "fixed_layout", "layout", "template", "type_name"]
+__all__ = ["LITTLE_ENDIAN", "decode", "encode", "type_name"]
 
 M = TypeVar("M", bound=Message)
 
@@ -45,15 +42,6 @@ def encode(message: Message) -> bytes:
         return codec.encode(message)
     except UNWRITABLE as error:
         raise misfit(message) or ConversionError(str(error)) from error
-
-
-def template(message: Message, varying: Sequence[str]) -> Template:
-    """Return the template of a message: its serialized bytes, with gaps for the fields at the paths in ``varying``.
-
-    A generated handler fills the gaps for each message instead of serializing the constant fields again. A path is
-    dotted, such as ``header.stamp``.
-    """
-    return template_of(encode(message), message, varying)
 
 
 def decode(message_type: type[M], data: bytes, views: bool = False) -> M:

@@ -65,18 +65,6 @@ def layout(primitives: list[Primitive]) -> str:
     return "".join(parts)
 
 
-def fixed_layout(message_type: type[Message]) -> struct.Struct:
-    """Return the `struct.Struct` that packs a message of fixed size.
-
-    It packs the header `LITTLE_ENDIAN` and then the values in wire order. Raises `TypeError` if the message has a
-    string, a sequence or an array.
-    """
-    leaves = leaves_of(message_type)
-    if leaves is None:
-        raise TypeError(f"{message_type.__msgtype__} has no fixed size")
-    return _struct("<", leaves)
-
-
 def _struct(order: str, leaves: list[Leaf]) -> struct.Struct:
     # With an explicit byte order, `struct` adds no alignment of its own. So the four bytes of the header do not shift
     # the body, in which alignment is counted.

@@ -12,7 +12,6 @@ from roverlink.generator.emit.targets.python import (
     messages,
     pb2,
     registry,
-    serializers,
     translations,
 )
 
@@ -20,10 +19,7 @@ from roverlink.generator.emit.targets.python import (
 def emit(bridge: ir.Bridge) -> Files:
     """Yield the modules of the Python target.
 
-    These are handlers, serializers, message classes, conversions, protoc's modules, the registry and its checks.
+    These are handlers, message classes, conversions, protoc's modules, the registry and its checks.
     """
-    fast = serializers.serializers(bridge)
-    for part in (conversions, extra_topics, handlers, interfaces, messages, pb2, translations):
+    for part in (conversions, extra_topics, handlers, interfaces, messages, pb2, registry, translations):
         yield from part.emit(bridge)
-    yield from registry.emit(bridge, fast)
-    yield from serializers.emit(bridge, fast)

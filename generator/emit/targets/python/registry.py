@@ -6,23 +6,18 @@ The registry lists the peers and the handlers. The checks compare the loaded pro
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from roverlink.generator import ir, lock
 from roverlink.generator.emit.extra_topic_names import named_extra_topics
 from roverlink.generator.emit.render import Files, header, render
 from roverlink.generator.emit.targets.python import spelling
 from roverlink.generator.emit.targets.python.imports import Import, import_lines
-from roverlink.generator.emit.targets.python.serializers import Serializer
 from roverlink.generator.ir.msg_types import msg_type
 
 
-def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
-    """Yield ``registry.py``, ``checks.py`` and the ``__init__.py`` that exports the registry and the handlers.
-
-    ``fast`` contains serializers, by the names of handler classes. The registry uses the serializer in place of the
-    handler, because a serializer is a faster subclass of the handler.
-    """
+def emit(bridge: ir.Bridge) -> Files:
+    """Yield ``registry.py``, ``checks.py`` and the ``__init__.py`` that exports the registry and the handlers."""
     module, own = spelling.proto_module(bridge.envelope.file), bridge.python_package
     handlers = {spelling.handler_class(route): f"{own}.handlers" for route in bridge.routes}
     extra_topics = {extra.name: f"{own}.extra_topics" for extra in named_extra_topics(bridge)}
@@ -35,17 +30,15 @@ def emit(bridge: ir.Bridge, fast: Mapping[str, Serializer]) -> Files:
         imports.add(("roverlink.runtime.core.registry", "End"))
     if bridge.link is not None:
         imports.add(("roverlink.runtime.core.registry", "Link"))
-    for name, package in (handlers | extra_topics).items():
-        serializer = fast.get(name)
-        imports.add((f"{own}.serializers.{serializer.file}", serializer.name) if serializer else (package, name))
+    imports |= {(package, name) for name, package in (handlers | extra_topics).items()}
     yield "generated/registry.py", render(
         "registry.py.j2",
         header=header(bridge.table),
         imports=import_lines(imports),
         bridge=bridge,
         envelope=f"{module}.{bridge.envelope.message.rpartition('.')[2]}",
-        handlers=[fast[name].name if name in fast else name for name in handlers],
-        extra_topics=[fast[name].name if name in fast else name for name in extra_topics],
+        handlers=[*handlers],
+        extra_topics=[*extra_topics],
         fingerprint=fingerprint(bridge),
     )
     yield "generated/checks.py", render("checks.py.j2", header=header(bridge.table), bridge=bridge)
