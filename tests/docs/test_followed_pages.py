@@ -6,15 +6,15 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from needs import NO_OPENCV, needs_dds
+from needs import NO_OPENCV, needs_dds, needs_native
 from page import ROOT, Reader, blocks
 
 _NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
 _SECTIONS = [
-    pytest.param("docs/adding-a-message.md", "", marks=needs_dds),
-    pytest.param("README.md", "Add a message", marks=needs_dds),
+    pytest.param("docs/adding-a-message.md", "", marks=[needs_dds, needs_native]),
+    pytest.param("README.md", "Add a message", marks=[needs_dds, needs_native]),
     pytest.param("rover/README.md", "Example", marks=_NEEDS_OPENCV),
-    pytest.param("rover/docs/driving.md", "Try it", marks=needs_dds),
+    pytest.param("rover/docs/driving.md", "Try it", marks=[needs_dds, needs_native]),
     ("rover/docs/driving.md", "Add a speed and a turn to the commands"),
     ("rover/docs/rocks.md", "Add a camera and a reason to the messages"),
     ("rover/docs/navigation.md", "Report missions to the basestation"),
