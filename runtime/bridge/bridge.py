@@ -316,10 +316,13 @@ class Bridge:
             self._not_accepted,
             lambda destination, datagrams: self._forwarding.hand_on(datagrams, destination),
             self._is_settled,
+            lambda: self._counters.count_received(0),
         )
         way.follow(self._parameters.forward_policy)
-        self._ends.on_learned = way.loop.forget_senders
         self._logger.info("%s", way.summary())
+        if not way.is_used:
+            return None
+        self._ends.on_learned = way.loop.forget_senders
         if self._link is not None:
             self._link.native = way
         return way
@@ -343,11 +346,13 @@ class Bridge:
 
     def _is_settled(self, row: str, sender: Sender) -> bool:
         """Return true if another datagram of a row from a sender needs no decision: neither admission nor learning."""
-        policy, _ = _reading(self._parameters)
-        route = self._registry.by_name[row].route
-        if policy == "mapping" and not self._admission.always_admits(sender.ip, route.peer):
-            return False
-        return self._ends.knows(row, sender.address)
+        peer = self._registry.by_name[row].route.peer
+        is_admitted = not self._restricts(self._parameters) or self._admission.always_admits(sender.ip, peer)
+        return is_admitted and self._ends.knows(row, sender.address)
+
+    def _restricts(self, parameters: Parameters) -> bool:
+        """Return true if senders are checked: the table restricts those of a peer, and the policy says so."""
+        return parameters.source_policy == "mapping" and restricts_sources(self._registry.peers)
 
     def _not_accepted(self, handler: AnyHandler | AnyStandardHandler) -> None:
         """Count a message of the native core that the middleware has not accepted."""
@@ -364,8 +369,8 @@ class Bridge:
         The addresses of senders are read only if the table restricts senders, or if an end's address is learned,
         because reading them costs time.
         """
-        policy, learns = _reading(parameters)
-        restricts = policy == "mapping" and restricts_sources(self._registry.peers)
+        _, learns = _reading(parameters)
+        restricts = self._restricts(parameters)
         handle: Callable[[list[Any]], None] = self._handle_with_sources if restricts else self._handle_observed
         if learns:
             return partial(self._handle_and_learn, handle, restricts), udp.sender_reader

@@ -131,7 +131,7 @@ class NativeWay:
             return "max_rate"
         if registry.peers_by_name[route.peer].strip_trailing_zeros:
             return "strip_trailing_zeros"
-        return "" if isinstance(subscription, NativeSubscription) else "its messages pass through Python"
+        return "" if isinstance(subscription, NativeSubscription) else "the middleware takes them in Python"
 
     def refuse(self, rows: frozenset[str], forwards: Mapping[EndName, frozenset[str]]) -> None:
         """Let no row take the native way that is refused, or no longer forwarded to some ends."""
@@ -168,7 +168,14 @@ class NativeWay:
         for name, reason in by_python.items():
             by_reason.setdefault(reason, []).append(name)
         told = "; ".join(f"{reason}: {', '.join(names)}" for reason, names in by_reason.items())
+        if len(by_python) == rows:
+            return f"Python handles all messages ({told})"
         return f"the native core handles {rows - len(by_python)} of {rows} messages, and Python the others ({told})"
+
+    @property
+    def is_used(self) -> bool:
+        """True if messages of a row can take the native way."""
+        return bool(self.loop.rows or self._outbound)
 
     def end(self) -> None:
         """Let no row take the native way any more. Call it before the stops are sent, which nothing may follow."""

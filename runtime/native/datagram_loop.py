@@ -100,6 +100,7 @@ class DatagramLoop:
         )
         self._bounds = (ctypes.c_double * len(bounds))(*bounds)
         self._failure: BaseException | None = None
+        self._look: Callable[[], None] = lambda: None
         self._path: tuple[Callable[[list[Any]], None], Callable[[bytes, Sender], Any] | None] = (lambda _: None), None
         self._ring = ObserverRing(core, taps, "observe-datagrams") if any(taps.values()) else None
         self._bridge = native.Bridge(
@@ -127,7 +128,7 @@ class DatagramLoop:
             if reason := self._core.reason(handler):
                 self.reasons[route.name] = f"{handler.route.topic}: {reason}"
             elif not isinstance(publisher, NativePublisher):
-                self.reasons[route.name] = f"{handler.route.topic}: its messages pass through Python"
+                self.reasons[route.name] = "the middleware publishes in Python"
         if route.max_rate is not None:
             self.reasons[route.name] = "max_rate"
         return route.name not in self.reasons
@@ -140,13 +141,16 @@ class DatagramLoop:
         not_published: Callable[[AnyHandler | AnyStandardHandler], None],
         send: Callable[[Destination, list[bytes]], None],
         admit: Callable[[str, Sender], bool],
+        look: Callable[[], None],
     ) -> None:
         """Read from ``sock``, at most ``largest`` bytes of a datagram; data on ``wake`` ends the wait for datagrams.
 
         ``not_published`` gets the handler of a message that the middleware has not accepted. ``send`` gets the
         datagrams that the core cannot send. If senders are checked, ``admit`` returns true for a row and a sender whose
-        datagrams Python need not see until `forget_senders` is called.
+        datagrams Python need not see until `forget_senders` is called. ``look`` is called once in two seconds while
+        datagrams arrive.
         """
+        self._look = look
         topics, destinations = self._topics, self._destinations
         names = {row.number: name for name, row in self.rows.items()}
         rows = [names.get(row.number, "") for row in self._row_structs]
@@ -170,7 +174,7 @@ class DatagramLoop:
         self._bridge.socket, self._bridge.wake, self._bridge.largest = sock.fileno(), wake.fileno(), largest
 
     def pass_to(self, handle: Callable[[list[Any]], None], with_sender: Callable[[bytes, Sender], Any] | None) -> None:
-        """Pass the datagrams that the core does not handle to ``handle``, and an empty batch once in two seconds.
+        """Pass the datagrams that the core does not handle to ``handle``.
 
         If the senders are checked, ``with_sender`` makes a member of the batch of a datagram and its sender.
         """
@@ -184,6 +188,9 @@ class DatagramLoop:
 
     def _hand_over(self, datagrams: Any, count: int) -> None:
         handle, with_sender = self._path
+        if count == 0:
+            self._look()
+            return
         if with_sender is None:
             handle(_bytes(datagrams, count))
             return
