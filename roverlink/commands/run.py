@@ -121,6 +121,7 @@ def run(arguments: argparse.Namespace) -> int:
         # The log and the clock leave first, because the bridge closes the middleware.
         with bridge, attached.monitor(bridge, clock), published_log:
             stack.callback(lambda: _tell_account(bridge.account, logger, json_too=arguments.json))
+            logger.info("%s", bridge.way)
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             bridge.run()
     return OK

@@ -113,6 +113,8 @@ class Bridge:
         if links is not None:
             self._account.clocks_ahead = links.verifier.ahead
         self._native: NativeWay | None = None
+        self.way = ""
+        """Text about the messages that the native core handles, and why it does not handle the others."""
         self._handling_times = HandlingTimes()
         self._sending = self._send if registry.link is None else self._send_counted
         self._ends = Ends(registry, parameters, self._counters, self._socket)
@@ -292,7 +294,7 @@ class Bridge:
     def _native_way(self, outbound: Sequence[tuple[AnyHandler, OutboundRow, Subscription]]) -> NativeWay | None:
         """Return the way through the native core; None if there is no core, or if Python has to see all datagrams."""
         if reason := self._why_python():
-            self._logger.info("Python handles all messages: %s", reason)
+            self.way = f"Python handles all messages ({reason})"
             return None
         try:
             way = NativeWay(
@@ -306,7 +308,7 @@ class Bridge:
                 [one for one in self._observers if isinstance(one, DatagramObserver)],
             )
         except (NoCoreError, AttributeError, OSError) as error:  # the middleware's library may be another version
-            self._logger.info("Python handles all messages: %s", error)
+            self.way = f"Python handles all messages ({error})"
             return None
         sock, wake = self._receiver.sockets
         way.loop.open(
@@ -319,7 +321,7 @@ class Bridge:
             lambda: self._counters.count_received(0),
         )
         way.follow(self._parameters.forward_policy)
-        self._logger.info("%s", way.summary())
+        self.way = way.summary()
         if not way.is_used:
             return None
         self._ends.on_learned = way.loop.forget_senders
