@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 _UNKNOWN_NODES = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
 _USE_SIM_TIME = "use_sim_time"  # which rclpy declares itself
 _ACTION_S = 60.0  # longest time in seconds for the executor to make the client of an action, far more than it takes
+# Longest wait of the executor in seconds: a shutdown from outside can miss an executor that is just about to wait.
+_SPIN_S = 1.0
 _INFINITE_NS = 2**63 - 1  # RMW_DURATION_INFINITE
 # A writer whose queue is full waits for a subscriber, up to 0.1 s, before it refuses a message, and rclpy cannot change
 # that. After such a wait the publisher accepts nothing for some time, so that a frozen subscriber costs the other
@@ -247,7 +249,7 @@ class RclpyMiddleware(Middleware):
         # Somebody else in the process may shut ROS 2 down; the program ends by its own signal handler.
         with contextlib.suppress(ExternalShutdownException):
             while self._open:
-                self._executor.spin_once()
+                self._executor.spin_once(timeout_sec=_SPIN_S)
 
 
 def _receiver(node: Any) -> Receiver | None:
