@@ -513,7 +513,10 @@ _WITH_SENDER: dict[Callable[..., Any], Callable[[bytes, Sender], Any] | None] = 
     udp.source_reader: lambda datagram, sender: (datagram, sender.ip),
     udp.sender_reader: lambda datagram, sender: (datagram, sender),
 }
-"""How the functions of the readers get a datagram and its sender; None if they get only the datagram."""
+"""Function that makes a member of a batch, by the function that makes the batch's reader.
+
+It takes a datagram and its sender; None if a member is only the datagram.
+"""
 
 
 def _reading(parameters: Parameters) -> tuple[str, bool]:

@@ -19,6 +19,7 @@ from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore, NoCoreError
 from roverlink.runtime.native.lending import NativePublisher
 from roverlink.runtime.native.observer_ring import ObserverRing
+from roverlink.runtime.native.python_calls import PythonCalls
 from roverlink.runtime.net.destination import Destination, can_segment
 from roverlink.runtime.net.hosts import Sender, sender_of
 
@@ -99,10 +100,10 @@ class DatagramLoop:
             )
         )
         self._bounds = (ctypes.c_double * len(bounds))(*bounds)
-        self._failure: BaseException | None = None
+        self._python = PythonCalls()
         self._look: Callable[[], None] = lambda: None
         self._path: tuple[Callable[[list[Any]], None], Callable[[bytes, Sender], Any] | None] = (lambda _: None), None
-        self._ring = ObserverRing(core, taps, "observe-datagrams") if any(taps.values()) else None
+        self._python.ring = ObserverRing(core, taps, "observe-datagrams") if any(taps.values()) else None
         self._bridge = native.Bridge(
             table=ctypes.pointer(core.table),
             workspace=core.new_workspace(),
@@ -110,7 +111,7 @@ class DatagramLoop:
             rows=self._row_structs,
             destinations=self._destination_structs,
             middleware=functions,
-            observers=ctypes.pointer(self._ring.struct) if self._ring is not None else None,
+            observers=ctypes.pointer(self._python.ring.struct) if self._python.ring is not None else None,
             observed=bool(observers),
             bounds=self._bounds,
             n_topics=len(self._topics),
@@ -155,16 +156,7 @@ class DatagramLoop:
         names = {row.number: name for name, row in self.rows.items()}
         rows = [names.get(row.number, "") for row in self._row_structs]
 
-        def guarded(call: Callable[..., None], *arguments: Any) -> int:
-            try:
-                if self._ring is not None:  # what Python handles is newer
-                    self._ring.empty()
-                call(*arguments)
-            except BaseException as failure:  # noqa: BLE001  # `run` raises it
-                self._failure = failure
-                return 1
-            return 0
-
+        guarded = self._python.guarded
         self._bridge.calls = native.Calls(
             native.Handle(lambda datagrams, count: guarded(self._hand_over, datagrams, count)),
             native.NotPublished(lambda topic: guarded(not_published, topics[topic])),
@@ -199,18 +191,18 @@ class DatagramLoop:
         handle([with_sender(native.bytes_of(one), _sender(one)) for one in found])
 
     def __enter__(self) -> DatagramLoop:
-        if self._ring is not None:
-            self._ring.__enter__()
+        if self._python.ring is not None:
+            self._python.ring.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._ring is not None:
-            self._ring.__exit__()
+        if self._python.ring is not None:
+            self._python.ring.__exit__()
 
     def run(self) -> None:
         """Handle datagrams until `stop` is called. Raises what a function of `open` raised, or `MemoryError`."""
         if self._core.library.rl_receive(ctypes.byref(self._bridge)):
-            raise self._failure or MemoryError("for the datagrams of the native core")
+            raise self._python.failure or MemoryError("for the datagrams of the native core")
 
     def stop(self, *, stopping: bool = True) -> None:
         """Make `run` return, with data on ``wake`` at once. With ``stopping`` false, let it run again."""

@@ -1,4 +1,4 @@
-"""What a middleware lends to the native core, so that the core publishes and takes messages without Python."""
+"""Interfaces by which a middleware lends topics to the native core, which then needs no Python for them."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.core.tap import Tap
@@ -12,6 +12,7 @@ from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
 from roverlink.runtime.native.lending import LentTopic
 from roverlink.runtime.native.observer_ring import ObserverRing
+from roverlink.runtime.native.python_calls import PythonCalls
 
 
 class Topic(Protocol):
@@ -41,14 +42,14 @@ class TopicLoop:
         self._core, self._reading = core, reading
         self._workspace = core.new_workspace()
         self._topics: Sequence[Topic] = ()
-        self._failure: BaseException | None = None
+        self._python = PythonCalls()
+        guarded = self._python.guarded
         self._calls = native.ServingCalls(
-            native.Serve(lambda index, most: self._guarded(self._topics[index].serve, most)),
-            native.Pass(lambda index, one: self._guarded(self._topics[index].callback, [native.bytes_of(one[0])])),
-            native.Pass(lambda index, one: self._guarded(self._send, index, native.bytes_of(one[0]))),
+            native.Serve(lambda index, most: guarded(self._topics[index].serve, most)),
+            native.Pass(lambda index, one: guarded(self._topics[index].callback, [native.bytes_of(one[0])])),
+            native.Pass(lambda index, one: guarded(self._send, index, native.bytes_of(one[0]))),
         )
         self._server = native.Server()
-        self._ring: ObserverRing | None = None
 
     def prepare(self, topics: Sequence[Topic]) -> None:
         """Serve these topics at the next `run`, the most urgent first."""
@@ -64,7 +65,7 @@ class TopicLoop:
                 lent.struct.observed = bool(lent.taps) + 2 * bool(lent.datagram_taps)
                 taps |= {2 * index: lent.taps, 2 * index + 1: lent.datagram_taps}
         if any(taps.values()):
-            self._ring = ObserverRing(self._core, taps, "observe-topics").__enter__()
+            self._python.ring = ObserverRing(self._core, taps, "observe-topics").__enter__()
         self._server = native.Server(
             table=ctypes.pointer(self._core.table),
             workspace=self._workspace,
@@ -72,7 +73,7 @@ class TopicLoop:
             priorities=(ctypes.c_int32 * len(topics))(*(topic.priority for topic in topics)),
             reading=self._reading,
             calls=self._calls,
-            observers=ctypes.pointer(self._ring.struct) if self._ring is not None else None,
+            observers=ctypes.pointer(self._python.ring.struct) if self._python.ring is not None else None,
             n_topics=len(topics),
         )
 
@@ -83,7 +84,7 @@ class TopicLoop:
         """
         self._server.waitset = waitset
         if self._core.library.rl_serve(ctypes.byref(self._server)):
-            raise self._failure or MiddlewareError("the native core cannot wait for messages")
+            raise self._python.failure or MiddlewareError("the native core cannot wait for messages")
 
     def stop(self) -> None:
         """Make `run` return after the wait set was triggered. Undone by `prepare`."""
@@ -91,21 +92,11 @@ class TopicLoop:
 
     def close(self) -> None:
         """Pass on what observers have not got yet. The next `prepare` undoes it."""
-        if self._ring is not None:
-            self._ring.__exit__()
-            self._ring = None
+        if self._python.ring is not None:
+            self._python.ring.__exit__()
+            self._python.ring = None
 
     def _send(self, index: int, datagram: bytes) -> None:
         lent = self._topics[index].lent
         if lent is not None:
             lent.send(datagram)
-
-    def _guarded(self, call: Callable[..., None], *arguments: Any) -> int:
-        try:
-            if self._ring is not None:  # what Python handles is newer
-                self._ring.empty()
-            call(*arguments)
-        except BaseException as failure:  # noqa: BLE001  # `run` raises it
-            self._failure = failure
-            return 1
-        return 0
