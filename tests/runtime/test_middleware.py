@@ -152,7 +152,7 @@ def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     ros, spinning, end_spin = MagicMock(), threading.Event(), threading.Event()
     ros.node, ros.spinning, ros.end_spin, ros.ending = ros.create_node.return_value, spinning, end_spin, None
 
-    def spin() -> None:
+    def spin(timeout_sec: float) -> None:
         spinning.set()
         assert end_spin.wait(PATIENCE_S)
         if ros.ending is not None:
