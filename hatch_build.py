@@ -52,16 +52,15 @@ class NativeCore(BuildHookInterface):  # type: ignore[type-arg]  # hatchling's o
             self._folder.cleanup()
 
     def _compile(self, library: Path) -> bool:
-        """Compile the library. Return false if that is impossible, and say why in one line."""
-        library.unlink(missing_ok=True)
+        """Compile the library. If that is impossible, say why in one line, remove an older one, and return false."""
         if sys.platform != "linux":
-            return self._without("it reads many datagrams with one system call, which only Linux has")
+            return self._without(library, "it reads many datagrams with one system call, which only Linux has")
         compiler = (
             shlex.split(os.environ.get("CXX", ""))
             or [name for name in ("c++", "g++", "clang++") if shutil.which(name)][:1]
         )
         if not compiler:
-            return self._without("no C++ compiler was found")
+            return self._without(library, "no C++ compiler was found")
         native, made = Path(self.root, "native"), library.with_name(f"{library.name}.{os.getpid()}")
         flags = [*FLAGS.split(), *shlex.split(os.environ.get("CXXFLAGS", ""))]
         # What the library needs of a C++ library is in it, so that it runs beside any.
@@ -71,13 +70,15 @@ class NativeCore(BuildHookInterface):  # type: ignore[type-arg]  # hatchling's o
         try:
             code = subprocess.run(command, check=False).returncode  # noqa: S603  # the compiler of who installs it
         except OSError as error:
-            return self._without(str(error))
+            return self._without(library, str(error))
         if code != 0:
-            return self._without(f"{compiler[0]} failed")
-        made.replace(library)  # a running bridge keeps the library that it has opened
+            return self._without(library, f"{compiler[0]} failed")
+        # At once: other environments of this tree use the library, and a running bridge keeps the one it opened.
+        made.replace(library)
         return True
 
-    def _without(self, reason: str) -> bool:
+    def _without(self, library: Path, reason: str) -> bool:
+        library.unlink(missing_ok=True)  # it may not fit the tree
         self.app.display_warning(
             f"roverlink is installed without its native core, which only makes it faster: {reason}"
         )
