@@ -19,7 +19,7 @@ _TIMES = 20
 _COMMANDS = [
     *("--version", "--help", "generate --check", "lint", "lint --history", "explain imu_info", "number next"),
     *("number history 20", "listen --port 0", "echo imu_data --middleware memory", "simulate --to 127.0.0.1:9"),
-    *("simulate --bridge memory", "top --once --middleware memory", "doctor --json", "init --from proto --dry-run"),
+    *("simulate --bridge memory", "top --once --middleware memory", "doctor --json", "init"),
     *("demo --seconds 2", "aruco board --help", "aruco track --help"),
     "run --middleware memory --ros-args -p listen_port:=0 --disable-rosout-logs",
     "send imu_info --to 127.0.0.1:9 --rate 1000 --count 1000",
@@ -28,7 +28,7 @@ _COMMANDS = [
 ]
 
 
-def _interrupted(arguments: list[str], delay_s: float, environment: dict[str, str]) -> tuple[int, str]:
+def _interrupted(arguments: list[str], delay_s: float, folder: Path, environment: dict[str, str]) -> tuple[int, str]:
     """Start a command, interrupt it after a delay, and return its exit code and its standard error."""
     program = subprocess.Popen(
         [sys.executable, "-m", "roverlink", *arguments],
@@ -37,7 +37,7 @@ def _interrupted(arguments: list[str], delay_s: float, environment: dict[str, st
         stderr=subprocess.PIPE,
         text=True,
         env=environment,
-        cwd=_ROOT,
+        cwd=folder if arguments == ["init"] else _ROOT,
     )
     time.sleep(delay_s)  # no event to await: the signal shall come at any moment
     program.send_signal(signal.SIGINT)
@@ -70,7 +70,7 @@ def test_ctrl_c_at_any_moment_of_the_start_ends_a_command_cleanly(
         folder = tmp_path / str(attempt)
         folder.mkdir()
         delay_s = moments.uniform(0, window_s)
-        code, errors = _interrupted(command.replace("{tmp}", str(folder)).split(), delay_s, environment)
+        code, errors = _interrupted(command.replace("{tmp}", str(folder)).split(), delay_s, folder, environment)
         if not _is_python_s_own(code, errors):
             assert "Traceback" not in errors, f"after {delay_s:.3f} s:\n{errors}"
             assert code in (0, 130), f"after {delay_s:.3f} s:\n{errors}"
