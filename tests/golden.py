@@ -2,8 +2,8 @@
 
 `case_file` describes the format. Of a project that compiles, a case shows:
 
-- `expected/PATH`: a whole generated file. The few cases in `.txtar` files do so for each file that is worth reading.
-- `lines/PATH`: the lines of a generated file that the case is about, in the order in which they stand there.
+- `lines/PATH`: the lines of a generated file that the case is about, in the order in which they stand there. What the
+  crosscheck judges, the names, types and order of fields, is left to it; `generated/` shows whole files.
 - a line of `generator/cases/digests.txt`, with one digest for all files of each kind (protoc's excepted): it tells
   which projects a change of the generator reaches. To see how, run `python tests/golden.py FOLDER` before and after the
   change: it writes all files of all cases. Then compare the two folders.
