@@ -69,7 +69,8 @@ def case(name: str) -> CaseFile:
 
 def passing_cases() -> list[CaseFile]:
     """The cases that compile."""
-    return [case for case in CASES if exit_code(_printed(case)) == 0]
+    printed = {case: "".join(case.expectations.get(stream, "") for stream in ("stderr", "found")) for case in CASES}
+    return [case for case, text in printed.items() if exit_code(text) == 0]
 
 
 def exit_code(printed: str) -> int:
@@ -85,10 +86,6 @@ def in_brief(printed: str) -> str:
         whose = f" for these {len(diagnostics)}" if len(diagnostics) > 1 else ""
         brief += "".join(diagnostics) + (f"  help{whose}: {help}" if help else "")
     return brief
-
-
-def _printed(case: CaseFile) -> str:
-    return "".join(case.expectations.get(stream, "") for stream in ("stderr", "found"))
 
 
 def digests(files: Mapping[str, bytes]) -> str:
@@ -139,14 +136,9 @@ def snapshot(project: Path) -> dict[str, bytes]:
     }
 
 
-def _write_everything(folder: Path) -> None:
-    """Write what each passing case compiles to into a folder of its own."""
+if __name__ == "__main__":
     for one in passing_cases():
         for path, text in files_of(one).items():
-            target = folder / one.name / path
+            target = Path(sys.argv[1], one.name, path)
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")
-
-
-if __name__ == "__main__":
-    _write_everything(Path(sys.argv[1]))

@@ -84,14 +84,10 @@ def test_a_transform_takes_the_markers_points_to_the_camera() -> None:
     assert transform.header.stamp.sec * 10**9 + transform.header.stamp.nanosec == _STAMP
     t, q = transform.transform.translation, transform.transform.rotation
     assert [t.x, t.y, t.z] == one.pose.translation.tolist()
-    for point in np.eye(3):
-        assert _turned(q, point) == pytest.approx(one.pose.rotation @ point, abs=1e-12)
-
-
-def _turned(q: Any, point: Any) -> Any:
-    """A point turned by a quaternion: p + 2 w (v x p) + 2 v x (v x p)."""
     v = np.array([q.x, q.y, q.z])
-    return point + 2 * q.w * np.cross(v, point) + 2 * np.cross(v, np.cross(v, point))
+    for point in np.eye(3):
+        turned = point + 2 * q.w * np.cross(v, point) + 2 * np.cross(v, np.cross(v, point))
+        assert turned == pytest.approx(one.pose.rotation @ point, abs=1e-12)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 0.7, 3.0, math.pi])
