@@ -9,7 +9,7 @@ from google.protobuf.duration_pb2 import Duration as DurationPayload
 from google.protobuf.json_format import ParseDict
 from google.protobuf.struct_pb2 import ListValue, Struct, Value
 from google.protobuf.timestamp_pb2 import Timestamp
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from roverlink.runtime.convert.well_known import duration, json_list, json_struct, json_value, timestamp
@@ -56,6 +56,7 @@ def test_a_second_of_nanoseconds_is_refused_from_ros(nanosec: int) -> None:
 
 
 @given(_INT32, _NANOSECONDS)
+@example(-1, 500_000_000)
 def test_every_time_of_ros_comes_back(sec: int, nanosec: int) -> None:
     """A timestamp counts nanoseconds upwards in both, before 1970 too; a duration's parts have one sign in protobuf."""
     assert timestamp.from_ros(Time(sec, nanosec), "") == Timestamp(seconds=sec, nanos=nanosec)
