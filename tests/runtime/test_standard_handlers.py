@@ -18,7 +18,7 @@ _EXTRA_TOPICS = {handler.route.topic: handler for handler in REGISTRY.extra_topi
 def test_a_number_too_large_for_the_payload_is_refused() -> None:
     """A float64 that no float32 holds does not become infinite on the way to a payload."""
     handler = _EXTRA_TOPICS["pressure/temperature"]
-    with pytest.raises(ConversionError, match=r"^pressure_info on pressure/temperature: 3\.4028235677973366e\+38 is too"):
+    with pytest.raises(ConversionError, match=r"^pressure_info on pressure/temperature: 3\.40\d+e\+38 is too large"):
         handler.from_cdr(cdr.encode(handler.message_type(temperature=3.4028235677973366e38)))
     assert math.isinf(handler.from_cdr(cdr.encode(handler.message_type(temperature=math.inf))).temperature_c)
 
