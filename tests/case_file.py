@@ -12,8 +12,7 @@ The format is Go's txtar: a comment, then files, each below a line with its path
     mapping.yaml:9:14: error[ENV101] ...
 
 - A line `use: FILE as PATH` of the comment adds a file that several cases share. FILE is relative to tests/.
-- The sections `stderr`, `found`, `expected/...` and `lines/...` are the expectations. All other
-  sections are inputs.
+- The sections `stderr`, `found` and `lines/...` are the expectations. All other sections are inputs.
 - Below `-- path (escaped) --` stands a file that plain text cannot hold: `\xNN` is a byte, `\\` is a backslash, and
   a backslash at the end of a line joins it with the next one, or with the end of the file.
 - Below `-- path (proto3) --` stands a .proto file without its first line, `syntax = "proto3";`.
@@ -57,7 +56,7 @@ _TESTS = Path(__file__).parent
 _HEADING = re.compile(r"^== (\w+): (.+\n)", re.MULTILINE)
 _MARKER = re.compile(r"^-- (.+?)( \(escaped\))? --\n", re.MULTILINE)
 _USE = re.compile(r"^use: (\S+) as (\S+)$", re.MULTILINE)
-_EXPECTATION = re.compile(r"stderr|found|expected/.*|lines/.*")
+_EXPECTATION = re.compile(r"stderr|found|lines/.*")
 _PROTO3 = " (proto3)"
 _PROTO3_LINE = b'syntax = "proto3";\n'
 _ESCAPE = re.compile(rb"\\(?:x([0-9a-f]{2})|(\\)|\n)")

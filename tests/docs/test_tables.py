@@ -74,10 +74,29 @@ _QOS = ("depth", "reliability", "durability", "history")
 _ABSENT = ("lint", "deadman", "max_rate", "fields", "ignore", "forward")
 
 
-def test_driving_lists_states() -> None:
-    """Each state of the program."""
-    page = _page("rover/docs/driving.md")
-    assert [state.value for state in State if f"| `{state.value}` |" not in page] == []
+_REASONS = [reason.value for reason in Reason]
+_JUDGEMENT = (ROOT / "roverlink/link_judgement.py").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("page", "heading", "names"),
+    [
+        ("rover/docs/driving.md", "state", [state.value for state in State]),
+        (
+            "rover/docs/vision-reference.md",
+            "parameter",
+            [one.name for one in (*tracker_declaration.NODE.parameters, USE_SIM_TIME)],
+        ),
+        ("docs/field-day.md", "alarm", re.findall(r'yield f?"(\w+)', _JUDGEMENT)),
+        ("docs/targets.md", "target", targets.names()),
+        ("docs/nothing-arrives.md", "reason", _REASONS),
+        ("docs/security.md", "counted as", _REASONS[_REASONS.index("unsigned") : _REASONS.index("ahead") + 1]),
+    ],
+)
+def test_a_table_lists_what_the_code_has(page: str, heading: str, names: list[str]) -> None:
+    """Each state, parameter, kind of alarm, target that comes with the project, and reason to drop a datagram."""
+    listed = {name for cell in _rows(page, heading) for name in re.findall(r"(?:^|, )`?(\w+)", cell)}
+    assert listed == set(names)
 
 
 @_NEEDS_OPENCV
@@ -104,44 +123,9 @@ def test_navigation_lists_rules_and_arguments() -> None:
     assert sorted(_rows(page, "argument")) == sorted(declared)
 
 
-def test_the_reference_of_the_tracker_lists_the_parameters() -> None:
-    """Those of the tracker's node, and that of every node."""
-    names = [one.name for one in (*tracker_declaration.NODE.parameters, USE_SIM_TIME)]
-    assert list(_rows("rover/docs/vision-reference.md", "parameter")) == names
-
-
-def test_field_day_lists_the_alarms() -> None:
-    """Each kind of alarm that the page of the link can show."""
-    kinds = re.findall(r'yield f?"(\w+)', _page("roverlink/link_judgement.py"))
-    listed = re.findall(r"^\| `(\w+)[^|]*` *:?[^|]* \|", _page("docs/field-day.md"), re.MULTILINE)
-    assert set(kinds) == set(listed)
-
-
-def test_targets_lists_the_targets() -> None:
-    """Those that come with the project."""
-    listed = re.findall(r"^\| `(\w+)` \| `", _page("docs/targets.md"), re.MULTILINE)
-    assert {*targets.names()} <= {*listed}
-
-
-def test_nothing_arrives_has_an_answer_for_each_reason() -> None:
-    """Every reason for which a bridge drops a datagram."""
-    section = _page("docs/nothing-arrives.md").partition("## Why a datagram is dropped")[2]
-    cells = re.findall(r"^\| (`[\w`, ]+`) \|", section, re.MULTILINE)
-    listed = [name for cell in cells for name in re.findall(r"`(\w+)`", cell)]
-    assert sorted(listed) == sorted(reason.value for reason in Reason)
-
-
 def test_the_readme_is_short() -> None:
     """At most 7 kB: what one needs to decide, and where to go on."""
     assert len(_page("README.md").encode()) <= 7000
-
-
-def test_security_lists_the_reasons_of_signed_datagrams() -> None:
-    """The reasons to drop one, in the order of the code."""
-    section = _page("docs/security.md").partition("## Signed datagrams")[2].partition("\n## ")[0]
-    reasons = [reason.value for reason in Reason]
-    listed = re.findall(r"^\| `(\w+)` \|", section, re.MULTILINE)
-    assert listed == reasons[reasons.index("unsigned") : reasons.index("ahead") + 1]
 
 
 def test_what_development_names_exists() -> None:

@@ -122,11 +122,6 @@ def _project(folder: Path, base: str = f"{RoverNetwork.RADIO}.2", more: str = ""
     return write_project(folder, _TABLE.replace("BASE", base).replace("DEADMAN", _DEADMAN) + more, proto)
 
 
-def _numbers(datagrams: list[bytes]) -> set[int]:
-    """The numbers of the payloads in envelopes; a payload of zeros has the bytes `tag 00`."""
-    return {datagram[0] >> 3 for datagram in datagrams}
-
-
 def _hear(*boards: _Board) -> None:
     """Wait until each of the boards gets a datagram after now."""
     for board in boards:
@@ -151,7 +146,8 @@ def test_each_row_reaches_its_board_and_no_other(network: RoverNetwork, begin: B
         return min(map(len, heard)) > 5
 
     wait_until(often, "several datagrams for each board")
-    assert list(map(_numbers, heard)) == [{1}, {2}, {3}]
+    numbers = [{datagram[0] >> 3 for datagram in datagrams} for datagrams in heard]  # a payload of zeros is `tag 00`
+    assert numbers == [{1}, {2}, {3}]
     events = {"DrivingBoard not_resolved": 1, "DrivingBoard resolved": 1, "SensorBoard learned": 1}
     assert rover.stop()["link_events"] == {f"hardware {event}": count for event, count in events.items()}
 

@@ -66,7 +66,7 @@ class Payloads:
         return None
 
     def _values(self, field: FieldDescriptor, depth: int) -> st.SearchStrategy[Any]:
-        if _is_map(field):
+        if field.message_type is not None and field.message_type.GetOptions().map_entry:
             key, value = (field.message_type.fields_by_name[name] for name in ("key", "value"))
             return st.dictionaries(self._value(key, depth), self._value(value, depth), max_size=3)
         return st.lists(self._value(field, depth), max_size=4) if field.is_repeated else self._value(field, depth)
@@ -79,10 +79,6 @@ class Payloads:
         if field.type == FieldDescriptor.TYPE_STRING:
             return _TEXT
         return st.binary(max_size=6) if field.type == FieldDescriptor.TYPE_BYTES else _NUMBERS[field.cpp_type]
-
-
-def _is_map(field: FieldDescriptor) -> bool:
-    return field.message_type is not None and bool(field.message_type.GetOptions().map_entry)
 
 
 def _made(type: type[Payload], values: dict[str, Any]) -> Payload:

@@ -172,7 +172,8 @@ def equal(found: Any, wanted: Any, tolerance: float = 1e-12) -> bool:
     """Whether what was found holds what was wanted; floats may differ in their last digits, rotations in their sign."""
     if isinstance(wanted, dict) and set(wanted) == set("xyzw") and set(found) == set("xyzw"):
         turned = {name: -part for name, part in wanted.items()}
-        return any(_close(found, one, max(tolerance, 1e-9)) for one in (wanted, turned))
+        off = (max(abs(found[name] - one[name]) for name in found) for one in (wanted, turned))
+        return min(off) < max(tolerance, 1e-9)
     if isinstance(wanted, dict):
         return all(equal(found[name], part, tolerance) for name, part in wanted.items() if name in found)
     if isinstance(wanted, list):
@@ -182,7 +183,3 @@ def equal(found: Any, wanted: Any, tolerance: float = 1e-12) -> bool:
     if isinstance(wanted, float):
         return math.isclose(found, wanted, rel_tol=1e-6 if abs(found) < 1e-37 else tolerance, abs_tol=1e-12)
     return bool(found == wanted)
-
-
-def _close(found: dict[str, float], wanted: dict[str, float], tolerance: float) -> bool:
-    return all(abs(found[name] - wanted[name]) < tolerance for name in found)

@@ -33,15 +33,12 @@ def _packages(folder: Path) -> None:
     commit(folder, "Take it away")
 
 
-def _colliding(folder: Path) -> None:
-    plant(folder / "protos", COLLIDING)
-
-
-def _own(folder: Path) -> None:
-    shutil.copytree(_OWN / "proto", folder / "protos")
-
-
-_TREES = {"flat": _flat, "packages": _packages, "colliding": _colliding, "own": _own}
+_TREES: dict[str, Callable[[Path], object]] = {
+    "flat": _flat,
+    "packages": _packages,
+    "colliding": lambda folder: plant(folder / "protos", COLLIDING),
+    "own": lambda folder: shutil.copytree(_OWN / "proto", folder / "protos"),
+}
 
 
 def _adopted(folder: Path, **wanted: str) -> Adoption:
@@ -128,12 +125,7 @@ def test_generate_and_lint_have_nothing_to_say(name: str, tmp_path: Path) -> Non
     assert {finding.severity.value for finding in found} <= {"hint"}
 
 
-def _no_protos(folder: Path) -> None:
-    (folder / "protos").mkdir()
-
-
-def _broken_envelope(folder: Path) -> None:
-    plant(folder / "protos", {**FLAT, "messages.proto": FLAT["messages.proto"].replace("sint32", "sint33")})
+_BROKEN = FLAT | {"messages.proto": FLAT["messages.proto"].replace("sint32", "sint33")}
 
 
 def _no_oneof(folder: Path) -> None:
@@ -161,13 +153,13 @@ def _file_in_the_way(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("prepare", "wanted", "expected"),
     [
-        (_no_protos, {}, "protos: fatal[ADO101] the folder contains no .proto file"),
+        (lambda folder: (folder / "protos").mkdir(), {}, "protos: fatal[ADO101] the folder contains no .proto file"),
         (_flat, {"file": "x.proto"}, "protos: fatal[ADO102] the folder contains no file 'x.proto'"),
         (_flat, {"message": "Missing"}, "no message 'Missing' is declared"),
         (_flat, {"message": "Wheels"}, "'Wheels' has no oneof that contains messages"),
         (_flat, {"oneof": "missing"}, "'Envelope' has no oneof 'missing' that contains messages"),
         (_no_oneof, {}, "no message with a oneof is declared\n  help: the envelope is a message with a oneof of all"),
-        (_broken_envelope, {}, '"sint33" is not defined'),
+        (lambda folder: plant(folder / "protos", _BROKEN), {}, '"sint33" is not defined'),
         (_import("go/go.proto", "lib/go/go.proto"), {}, "help: it is in 'lib', .* `ln -s ../lib/go protos/go`"),
         (_import("protos/a.proto", "protos/a.proto"), {}, r"help: its path starts at '\.': run `.*--from \.`"),
         (_import("x.org/me/lib/a.proto", "lib/a.proto"), {}, "submodule add REPOSITORY proto/x.org/me` and"),

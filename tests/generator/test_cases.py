@@ -53,10 +53,7 @@ def _found(case: CaseFile, printed: str, files: dict[str, bytes]) -> dict[str, s
     brief = "found" in case.expectations
     found = {"found": in_brief(printed)} if brief else {"stderr": printed} if printed else {}
     for name, text in case.expectations.items():
-        kind, _, path = name.partition("/")
-        if kind == "expected":
-            found[name] = files[path].decode()
-        elif kind == "lines":
-            rest = iter(files[path].decode().splitlines(keepends=True))
+        if name.startswith("lines/"):
+            rest = iter(files[name.removeprefix("lines/")].decode().splitlines(keepends=True))
             found[name] = "".join(line for line in text.splitlines(keepends=True) if line in rest)
     return found

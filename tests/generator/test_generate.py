@@ -49,14 +49,6 @@ def test_output_depends_on_nothing_but_the_input(tmp_path: Path) -> None:
     assert len(results[0]) > 100
 
 
-def test_modules_of_the_user_do_not_get_in_the_way(tmp_path: Path) -> None:
-    """What stands beside the table, called like one of Python's modules, is not imported."""
-    project = case("nested").write_inputs(tmp_path / "project")
-    for name in ("tempfile", "typing", "weakref"):
-        (project / f"{name}.py").write_text("raise ImportError('the wrong one')\n")
-    assert generate(project).code == 0
-
-
 def test_an_envelope_that_moves_leaves_nothing_behind(project: Path) -> None:
     """The envelope's earlier file goes when the table names another; other files of the tree stay."""
     before = snapshot(project)

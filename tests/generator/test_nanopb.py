@@ -10,7 +10,6 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from random import Random
 from unittest import mock
 
 import grpc_tools
@@ -19,8 +18,6 @@ from golden import ROOT, inside
 from google.protobuf.compiler.plugin_pb2 import CodeGeneratorRequest, CodeGeneratorResponse
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from grpc_tools import protoc
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from roverlink.generator.diagnostics import Diagnostic
 from roverlink.generator.nanopb import Bounds, Unbounded, field_sizes, largest_size, read_bounds
@@ -36,7 +33,6 @@ with pytest.MonkeyPatch.context() as environment:
 _DATA = ROOT / "tests" / "generator" / "nanopb"
 _NANOPB_PROTO = Path(nanopb.__file__).parent / "proto"
 _WELL_KNOWN = Path(grpc_tools.__file__).parent / "_proto"
-_EXAMPLES = settings(max_examples=20, suppress_health_check=list(HealthCheck))
 
 
 # --- nanopb ---------------------------------------------------------------------------------------------------------
@@ -247,121 +243,6 @@ def test_what_nanopb_refuses_has_no_size(tmp_path: Path, text: str) -> None:
     assert isinstance(size, Unbounded)
     assert size.path == "a"
     assert size.span.line == 1
-
-
-_SCALARS = [
-    *("double", "float", "int32", "int64", "uint32", "uint64", "sint32", "sint64", "fixed32", "fixed64", "bool"),
-    *("string", "bytes", "string", "bytes", "E0", "E1", "p.q.E2"),
-]
-_PATTERNS = [
-    *("p.q.M{m}", "p.q.M{m}.*", "p.q.M{m}.f{f}", "*.f{f}", "p.q.M{m}.f[{f}3]", "*", "p.q.M{m}.o", "*Entry*", "?.q.M*"),
-]
-
-
-class _Files:
-    """Makes up .proto files, with options inside and beside them."""
-
-    def __init__(self, random: Random) -> None:
-        self._random = random
-
-    def texts(self) -> dict[str, str]:
-        proto3 = self._random.random() < 0.7
-        first, second = self._file(proto3, range(6), ""), self._file(proto3, range(6, 13), 'import "a.proto";')
-        return {"a.proto": first, "a.options": self._lines(), "b.proto": second, "b.options": self._lines()}
-
-    def _maybe(self, chance: float) -> bool:
-        return self._random.random() < chance
-
-    def _file(self, proto3: bool, messages: range, imported: str) -> str:
-        syntax = "proto3" if proto3 else "proto2"
-        head = f'syntax = "{syntax}"; package p.q; import "nanopb.proto"; {imported}'
-        level = f"option (nanopb_fileopt).{self._option('={}')};" if self._maybe(0.2) else ""
-        enums = "" if imported else "".join(self._enum(number) for number in range(3))
-        return "\n".join([head, level, enums, *(self._message(proto3, number, messages.stop) for number in messages)])
-
-    def _enum(self, number: int) -> str:
-        values = [0, *{self._random.choice([1, 127, 128, 70000, 2**31 - 1, -1]) for _ in range(2)}]
-        return f"enum E{number} {{ {' '.join(f'V{number}_{i} = {value};' for i, value in enumerate(values))} }}"
-
-    def _message(self, proto3: bool, number: int, stop: int) -> str:
-        fields = [self._field(proto3, index, number, stop) for index in range(1, self._random.randint(2, 6))]
-        if self._maybe(0.3):
-            members = [self._member(index, number, stop) for index in range(6, 6 + self._random.randint(1, 3))]
-            fields.append(f"oneof o {{ {' '.join(members)} }}")
-        if self._maybe(0.15):
-            fields.append(f"option (nanopb_msgopt).{self._option('={}')};")
-        return f"message M{number} {{ {' '.join(fields)} }}"
-
-    def _type(self, number: int, stop: int) -> str:
-        if self._maybe(0.2) and (number + 1 < stop or self._maybe(0.1)):
-            return f"M{self._random.randrange(max(0, number - self._maybe(0.05)), stop)}"
-        return self._random.choice(_SCALARS)
-
-    def _field(self, proto3: bool, index: int, number: int, stop: int) -> str:
-        type = self._type(number, stop)
-        if self._maybe(0.1):
-            return self._member(index, number, stop, f"map<{self._random.choice(['int32', 'string'])}, {type}>")
-        label = self._random.choice(
-            ["", "optional ", "repeated "] if proto3 else ["required ", "optional ", "repeated "]
-        )
-        return label + self._member(index, number, stop, type)
-
-    def _member(self, index: int, number: int, stop: int, type: str = "") -> str:
-        tag = index + self._random.choice([0, 0, 20, 3000])
-        options = [f"(nanopb).{self._option('={}')}" for _ in range(self._random.choice([0, 1, 1, 2, 3]))]
-        options = list({option.partition("=")[0]: option for option in options}.values())
-        given = f" [{', '.join(options)}]" if options else ""
-        return f"{type or self._type(number, stop)} f{index} = {tag}{given};"
-
-    def _option(self, form: str) -> str:
-        name, values = self._random.choice(
-            [
-                *[("max_size", [0, 1, 5, 127, 128, 129, 300])] * 5,
-                *[("max_count", [0, 1, 2, 3])] * 5,
-                ("max_length", [0, 4, 127, 128]),
-                ("int_size", ["IS_8", "IS_16", "IS_32", "IS_64", "IS_DEFAULT"]),
-                ("type", ["FT_IGNORE", "FT_IGNORE", "FT_POINTER", "FT_CALLBACK", "FT_DEFAULT"]),
-                ("fallback_type", ["FT_POINTER", "FT_CALLBACK"]),
-                *[(name, ["true", "false"]) for name in ("no_unions", "packed_struct", "anonymous_oneof")],
-                ("descriptorsize", ["DS_4", "DS_8"]),
-            ]
-        )
-        return name + form.format(self._random.choice(values))
-
-    def _lines(self) -> str:
-        lines = []
-        for _ in range(self._random.randint(0, 14)):
-            pattern = self._random.choice(_PATTERNS).format(m=self._random.randrange(13), f=self._random.randint(1, 8))
-            options = " ".join(self._option(":{}") for _ in range(self._random.randint(1, 3)))
-            lines.append(f"{pattern} {options}{self._random.choice(['', ' // more', ' # more', '/* more */'])}")
-        return "\n".join(lines)
-
-
-@pytest.mark.slow
-@_EXAMPLES
-@given(st.randoms(use_true_random=False))
-def test_random_messages_have_the_sizes_that_nanopb_says(
-    tmp_path_factory: pytest.TempPathFactory, random: Random
-) -> None:
-    """So have messages made up at random, with random options; and lines for nothing are so for nanopb as well."""
-    root = tmp_path_factory.getbasetemp()
-    texts = _Files(Random(random.getrandbits(64))).texts()  # noqa: S311  # one draw: hypothesis takes long over many
-    files = ["a.proto", "b.proto"]
-    compiled, findings = _compiled(_written(root, texts), files), list[Diagnostic]()
-    schema = schema_of(FileDescriptorSet(file=compiled.file[-2:]), "proto")  # not all that nanopb.proto imports
-    bounds = read_bounds(schema, root, "proto", findings)
-    try:
-        both = _Both(schema, bounds, findings, _nanopb(root, compiled, files))
-    except RecursionError:  # nanopb itself goes round in circles for some messages inside themselves
-        reasons = [getattr(largest_size(schema, bounds, name), "reason", "") for name in schema.messages]
-        assert any("contains itself" in reason for reason in reasons)
-        return
-    both.compare(files)
-    complained = re.findall(r"/(\w+\.options) did not match any fields: (.*)", both.headers.complaints)
-    theirs = {(file, pattern) for file, patterns in complained for pattern in patterns.split(", ")}
-    for finding in both.findings:
-        file = finding.span.file.removeprefix("proto/")
-        assert (file, texts[file].split("\n")[finding.span.line - 1].split()[0]) in theirs
 
 
 # --- why there is none ----------------------------------------------------------------------------------------------

@@ -151,7 +151,9 @@ class State:
             return False
         names = [self.full_name(id) for id in self.types]
         paths = [path for path, _ in self.files.values()]
-        lists = [names, paths, *(_spellings(one) for one in self.types.values())]
+        types = self.types.values()
+        members = ([member.name.replace("_", "").lower() for member in one.members.values()] for one in types)
+        lists = [names, paths, *members]
         envelopes = [one for one in self.types.values() if one.is_envelope]
         return (
             bool(names)
@@ -209,10 +211,6 @@ class State:
             nested = self.types[type].outer == one.id
             type = self.types[type].name if nested else self.full_name(type).removeprefix(f"{package}.")
         return f"{type} {member.name} = {member.number}".strip()
-
-
-def _spellings(one: Type) -> list[str]:
-    return [member.name.replace("_", "").lower() for member in one.members.values()]
 
 
 def merged(base: State, ours: State, theirs: State) -> State:

@@ -243,27 +243,21 @@ def _files_of(folder: Path) -> dict[str, str]:
 
 def _cured(files: dict[str, str], schema: Schema, finding: Diagnostic) -> Iterator[dict[str, str]]:
     """The files with each of the statements that a help says, in the type that it is about."""
-    owner = finding.type.rpartition(".")[0] if _is_entry(schema, finding.type) else finding.type
+    about = schema.messages.get(finding.type)
+    owner = finding.type.rpartition(".")[0] if about and about.map_entry else finding.type
     declared = schema.messages.get(owner) or schema.enums.get(owner)
+    extensions = [(one.extendee, one.field.number) for one in schema.extensions]
     help = re.sub(r"`, and give [^`]*`", " ", finding.help)  # the two belong together
     for said in _SAID.finditer(help):
         code, rest = said["code"], said["rest"]
         outside = code.startswith(_ELSEWHERE) or rest.startswith(_NOT_ALONE)
-        if declared and not outside and not said["verb"] and not _of_extension(schema, finding):
+        if declared and not outside and not said["verb"] and (finding.type, finding.number) not in extensions:
             text = files[declared.file]
             start = re.search(rf"^ *(message|enum) {owner.rpartition('.')[2]} \{{\n", text, re.MULTILINE)
             assert start, finding
             end = text.index("\n}", start.end())
             inside = _without(text[start.end() : end], code, "in place of" in rest, finding.help)
             yield files | {declared.file: f"{text[: start.end()]}{inside}\n{code}{text[end:]}"}
-
-
-def _is_entry(schema: Schema, name: str) -> bool:
-    return name in schema.messages and schema.messages[name].map_entry
-
-
-def _of_extension(schema: Schema, finding: Diagnostic) -> bool:
-    return any((one.extendee, one.field.number) == (finding.type, finding.number) for one in schema.extensions)
 
 
 def _without(inside: str, code: str, in_place: bool, help: str) -> str:

@@ -152,17 +152,13 @@ def test_replaced_contents_show_the_fields_that_differ(link: Link) -> None:
 # --- doubts ---
 
 
-def _doubts(link: Link) -> dict[str, str | None]:
-    return {use["name"]: use["doubt"] for one in link.found() for use in one["history"]}
-
-
 def test_a_content_from_a_broken_file_is_a_doubt(link: Link) -> None:
     """What was compared was read from a file with errors: the declaration with this type is in doubt, and says why."""
     link.commit("Measure the wind", e=("Wind wind = 2;",), wind=_WIND.replace("bytes raw = 2", "bytes"))
     link.commit("Mend it", wind=_WIND)
     link.check_out()
     why = "the file of 'Wind' has syntax errors at this commit"
-    assert _doubts(link) == {"gps": None, "wind": why}
+    assert {use["name"]: use["doubt"] for one in link.found() for use in one["history"]} == {"gps": None, "wind": why}
     assert f"in doubt: {why}\n" in link.text()
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import pytest
 from repositories import ENVELOPE_FILE, PAYLOADS, RepositoryBuilder, envelope, git, members
 
-from roverlink.generator.lint.history import History, Kind, Relation, Reuse, Usage, read_history
+from roverlink.generator.lint.history import History, Kind, Relation, Usage, read_history
 
 _IMU = members("I1")[0]
 _LETTERS = {"Imu": "I", "Gps": "G", "Ph": "P", "LoadCell": "L"}
@@ -30,15 +30,6 @@ def _life(usage: Usage) -> str:
 def _lives(history: History, name: str = "PBEnvelope") -> str:
     numbers = history.numbers(name).items()
     return " / ".join(f"{number}: " + " | ".join(map(_life, usages)) for number, usages in numbers)
-
-
-def _reuses(history: History, name: str = "PBEnvelope") -> list[tuple[int, Kind]]:
-    return [(reuse.number, reuse.kind) for reuse in history.reuses(name)]
-
-
-def _only(reuses: tuple[Reuse, ...]) -> Reuse:
-    assert len(reuses) == 1, reuses
-    return reuses[0]
 
 
 _HISTORIES = {
@@ -93,8 +84,8 @@ def test_lives_of_numbers(repository: RepositoryBuilder, case: str) -> None:
     repository.play(played)
     history = _read(repository)
     assert _lives(history) == lives
-    assert _reuses(history) == [(number, Kind.REUSED) for number in reused]
-    assert {reuse.relation for reuse in history.reuses("PBEnvelope")} <= {Relation.SUCCESSION}
+    found = [(reuse.number, reuse.kind, reuse.relation) for reuse in history.reuses("PBEnvelope")]
+    assert found == [(number, Kind.REUSED, Relation.SUCCESSION) for number in reused]
 
 
 # --- branches ---
@@ -127,7 +118,7 @@ def test_a_tag_makes_the_reuse_of_a_branch_public(repository: RepositoryBuilder)
 def test_a_type_that_is_not_in_the_repository(repository: RepositoryBuilder) -> None:
     """Where a payload's file is missing, what its type stands for is not known."""
     load = {ENVELOPE_FILE: envelope(*members("L1")), **PAYLOADS}
-    reuse = _only(_read(repository, {ENVELOPE_FILE: envelope("Elsewhere gps = 1;")}, load).reuses("PBEnvelope"))
+    (reuse,) = _read(repository, {ENVELOPE_FILE: envelope("Elsewhere gps = 1;")}, load).reuses("PBEnvelope")
     assert (reuse.kind, reuse.old) == (Kind.REUSED, None)
 
 

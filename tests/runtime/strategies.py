@@ -13,9 +13,7 @@ from roverlink.runtime.core.messages import UINT8, Array, FieldType, Message, Pr
 
 if TYPE_CHECKING:
     from google.protobuf.descriptor import Descriptor
-    from google.protobuf.message import Message as ProtoMessage
 
-P = TypeVar("P", bound="ProtoMessage")
 M = TypeVar("M", bound=Message)
 
 _FLOATS = {"f": st.floats(width=32), "d": st.floats()}
@@ -29,19 +27,14 @@ _INTEGERS = {
 # --- payloads ---------------------------------------------------------------------------------------------------
 
 
-def payloads(payload_type: type[P], *, sparse: bool = False) -> st.SearchStrategy[P]:
-    """Payloads with any values. Sparse ones leave fields out, nested messages among them."""
-    return _payload_values(payload_type.DESCRIPTOR, sparse).map(lambda values: payload_type(**values))
+def _payloads(descriptor: Descriptor) -> st.SearchStrategy[dict[str, Any]]:
+    """Payloads with any values, as mappings; any fields are left out, nested messages among them."""
+    return st.fixed_dictionaries({}, optional={field.name: _field_values(field) for field in descriptor.fields})
 
 
-def _payload_values(descriptor: Descriptor, sparse: bool) -> st.SearchStrategy[dict[str, Any]]:
-    fields = {field.name: _field_values(field, sparse) for field in descriptor.fields}
-    return st.fixed_dictionaries({}, optional=fields) if sparse else st.fixed_dictionaries(fields)
-
-
-def _field_values(field: FieldDescriptor, sparse: bool) -> st.SearchStrategy[Any]:
+def _field_values(field: FieldDescriptor) -> st.SearchStrategy[Any]:
     if field.message_type is not None:
-        return _payload_values(field.message_type, sparse)
+        return _payloads(field.message_type)
     if field.enum_type is not None:
         return st.sampled_from([value.number for value in field.enum_type.values])
     if field.cpp_type == FieldDescriptor.CPPTYPE_BOOL:
@@ -144,7 +137,7 @@ def unknown_fields(draw: st.DrawFn, depth: int = 2) -> bytes:
 def payload_fields(draw: st.DrawFn) -> bytes:
     """One payload of the table, as a field of an envelope."""
     handler = draw(st.sampled_from(REGISTRY.handlers))
-    payload = draw(payloads(handler.payload_type, sparse=True))
+    payload = handler.payload_type(**draw(_payloads(handler.payload_type.DESCRIPTOR)))
     return delimited(handler.route.number, payload.SerializeToString(), draw(st.integers(0, 3)))
 
 

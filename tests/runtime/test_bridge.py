@@ -33,10 +33,6 @@ def _filled(handler: AnyHandler) -> bytes:
     return envelope(**{handler.route.name: payload_at(handler.payload_type, 1.0)})
 
 
-def _imus(count: int) -> list[bytes]:
-    return [envelope(imu_info={"accel_x": float(number)}) for number in range(count)]
-
-
 def _on(rig: Rig, topic: str) -> list[Any]:
     """The messages of a topic, as values."""
     return [cdr.decode(REGISTRY.by_topic[topic].message_type, data) for data in rig.on_topic[topic]]
@@ -250,7 +246,7 @@ def test_a_network_that_comes_back_is_used_again(rig: Rig, monkeypatch: pytest.M
 
     for way in ("send", "sendmsg"):  # of a socket that is connected
         monkeypatch.setattr(socket.socket, way, gone)
-    datagrams = _imus(3)
+    datagrams = [envelope(imu_info={"accel_x": float(number)}) for number in range(3)]
     for datagram in datagrams:
         rig.receive(datagram)
     assert (rig.account.unsent, rig.account.forwarded) == ({"basestation": 1}, {"basestation": 2})

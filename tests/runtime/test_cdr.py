@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import struct
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
@@ -151,7 +150,7 @@ def test_what_other_writers_say_is_understood_or_refused() -> None:
 
 
 _WRONG: dict[str, tuple[dict[str, Any], str]] = {
-    "a float too large for float32": ({"a_float32": 1e39}, "a_float32"),
+    "a float too large for float32": ({"a_float32": 3.4028235677973366e38}, "a_float32"),
     "an integer too large for float64": ({"a_float64": 10**400}, "a_float64"),
     "an integer below its range": ({"a_uint8": -1}, "a_uint8"),
     "an integer beyond its range": ({"an_int16": 32_768}, "an_int16"),
@@ -187,14 +186,3 @@ def test_a_wrong_value_of_a_fixed_message_names_its_field(message: Point, error:
     """Messages that are packed in one call explain themselves as well."""
     with pytest.raises(ConversionError, match=f"^{error} does not fit "):
         cdr.encode(message)
-
-
-def test_floats_at_the_edges() -> None:
-    """Infinities, NaN and the largest float32 pass; the next larger one does not."""
-    largest = struct.unpack("<f", bytes.fromhex("ffff7f7f"))[0]
-    for value in (float("inf"), -float("inf"), largest, -largest):
-        assert cdr.decode(Everything, cdr.encode(Everything(a_float32=value))).a_float32 == value
-    nan = cdr.decode(Everything, cdr.encode(Everything(a_float32=float("nan")))).a_float32
-    assert nan != nan
-    with pytest.raises(ConversionError, match="a_float32"):
-        cdr.encode(Everything(a_float32=largest * 1.0001))

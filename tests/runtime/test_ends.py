@@ -32,11 +32,6 @@ def _hw(host: str, port: int = 9, **more: Any) -> Registry:
     return of_peers(QUIET, hardware=end("hw", host, port, **more))
 
 
-def _boards(arm: str, driving: str, port: int) -> Registry:
-    boards = tuple(End(name, **end(name, host, port)) for name, host in (("ArmBoard", arm), ("DrivingBoard", driving)))
-    return of_peers(QUIET, hardware={"boards": boards, "port_parameter": ""})
-
-
 def _state(rig: Rig, end: EndName = _HARDWARE) -> LinkState:
     return rig.bridge.link_states()[end]
 
@@ -92,8 +87,11 @@ def names(monkeypatch: pytest.MonkeyPatch) -> _Names:
 
 def test_a_row_goes_to_its_board_and_a_forward_to_all_of_them() -> None:
     """Boards have addresses of their own; a command is for one of them."""
-    with listener("127.0.0.21") as arm, listener("127.0.0.22", port_of(arm)) as driving:
-        registry = changed(_boards("127.0.0.21", "127.0.0.22", port_of(arm)), "control_mode", forward=("hardware",))
+    hosts = {"ArmBoard": "127.0.0.21", "DrivingBoard": "127.0.0.22"}
+    with listener(hosts["ArmBoard"]) as arm, listener(hosts["DrivingBoard"], port_of(arm)) as driving:
+        boards = tuple(End(name, **end(name, host, port_of(arm))) for name, host in hosts.items())
+        registry = of_peers(QUIET, hardware={"boards": boards, "port_parameter": ""})
+        registry = changed(registry, "control_mode", forward=("hardware",))
         with Rig(registry) as rig:
             command, drive = rig.publish("arm_ctrl"), rig.publish("drive_motor")
             assert (arm.recv(2000), driving.recv(2000)) == (command, drive)

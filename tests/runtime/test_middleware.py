@@ -46,12 +46,6 @@ def absent(monkeypatch: pytest.MonkeyPatch) -> Any:
     return make_absent
 
 
-def _refused(name: str) -> str:
-    with pytest.raises(MiddlewareError) as caught:
-        open_middleware(name, _NODE)
-    return str(caught.value)
-
-
 @pytest.mark.parametrize(
     ("name", "machine", "packages", "said"),
     [
@@ -69,9 +63,10 @@ def test_a_middleware_that_is_not_there_is_told(
     """The error says what to install or to source; `auto` ends with Cyclone DDS, which could be installed."""
     monkeypatch.setattr("platform.machine", lambda: machine)
     absent(*packages)
-    message = _refused(name)
-    assert all(part in message for part in said)
-    assert ("aarch64" in message) is (machine == "aarch64")
+    with pytest.raises(MiddlewareError) as refused:
+        open_middleware(name, _NODE)
+    assert all(part in str(refused.value) for part in said)
+    assert ("aarch64" in str(refused.value)) is (machine == "aarch64")
 
 
 # --- the order in which a middleware serves its topics ------------------------------------------------------------
@@ -178,14 +173,11 @@ def ros(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     sys.modules.pop("roverlink.runtime.middleware.rclpy", None)
 
 
-def _live() -> LiveParameters:
-    settings = parameters.read(REGISTRY, {"dst_ip": "10.0.0.7"})
-    return LiveParameters(REGISTRY, settings, logging.getLogger("test_middleware"))
-
-
 def test_a_node_of_rclpys_is_ours_alone(ros: Any) -> None:
     """The node has its name and namespace, a context of its own, the parameters, and leaves signals to the program."""
-    assert type(open_middleware("auto", _NODE, _live())).__name__ == "RclpyMiddleware"  # it is there, so it is taken
+    settings = parameters.read(REGISTRY, {"dst_ip": "10.0.0.7"})
+    live = LiveParameters(REGISTRY, settings, logging.getLogger("test_middleware"))
+    assert type(open_middleware("auto", _NODE, live)).__name__ == "RclpyMiddleware"  # it is there, so it is taken
     context = ros.Context.return_value
     ros.init.assert_called_once_with(
         args=[], context=context, signal_handler_options=ros.signals.SignalHandlerOptions.NO

@@ -43,23 +43,6 @@ def test_the_parts_of_a_frame_come_out_in_the_order_of_their_index() -> None:
     assert reassembler.add(BasestationDetectedObject(frame_id=8)) == Frame(8, ())  # one that saw nothing
 
 
-@pytest.mark.parametrize(("timeout", "is_whole"), [((), False), ((0.2,), False), ((5.0,), True)])
-def test_parts_that_are_a_second_apart_do_not_belong_together(timeout: tuple[float, ...], is_whole: bool) -> None:
-    """The sender may have started again between them; slow links may be given more time."""
-    reassembler = Reassembler[_Part](*timeout)
-    first, last = _parts(1, 2)
-    assert bool(_added(reassembler, [(0.0, first), (1.0, last)])) is is_whole
-    assert reassembler.lost == (not is_whole)
-
-
-def test_parts_that_disagree_about_their_number_do_not_belong_together() -> None:
-    """The newer one is right."""
-    reassembler = Reassembler[_Part]()
-    assert _added(reassembler, [(0.0, _Part(1, 0, 2)), (0.1, _Part(1, 1, 3))]) == []
-    assert _added(reassembler, [(0.2, _Part(1, 0, 3)), (0.3, _Part(1, 2, 3))]) == [Frame(1, tuple(_parts(1, 3)))]
-    assert reassembler.lost == 1
-
-
 def test_a_number_that_was_damaged_on_the_way_blocks_nothing_for_long() -> None:
     """A frame of the far future hides the present for a second only."""
     reassembler = Reassembler[_Part]()

@@ -103,24 +103,6 @@ def test_modules_of_another_commit_are_found_at_start(project: Path) -> None:
 
 # --- descriptors ------------------------------------------------------------------------------------------------
 
-_PAYLOAD = "SensorBoardLoadCellInfo"
-*_KNOWN, (_NUMBER, _NAME, _TYPE) = checks.MESSAGES[_PAYLOAD]
-
-
-@pytest.mark.parametrize(
-    "known",
-    [None, (99, _NAME, _TYPE), (_NUMBER, "after", _TYPE), (_NUMBER, _NAME, f"repeated {_TYPE}")],
-    ids=["one more", "other number", "other name", "other type"],
-)
-def test_each_disagreement_is_told(known: tuple[int, str, str] | None) -> None:
-    """A field more, another number, name, label or type: the message, and each difference, are named."""
-    expected = [f"the loaded module has '{_NUMBER} {_NAME} {_TYPE}'"]
-    expected += [f"the generated code has '{known[0]} {known[1]} {known[2]}'"] if known else []
-    with pytest.raises(RegistryError) as caught:
-        descriptor_check.check_descriptors({**checks.MESSAGES, _PAYLOAD: (*_KNOWN, *([known] if known else []))}, {})
-    assert all(f"{_PAYLOAD}: {line}, " in str(caught.value) for line in expected)
-    assert str(caught.value).count(", the ") == len(expected)
-
 
 def test_an_enum_that_differs_and_what_is_not_loaded_are_told() -> None:
     """A value of another name or number, a message and an enum that are not loaded: each is a line."""

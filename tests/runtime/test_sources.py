@@ -22,23 +22,16 @@ def _refused(gate: SourceGate, address: str, now: float = 0.0) -> Reason:
     return raised.value.reason
 
 
-@pytest.mark.parametrize(
-    ("address", "peers"),
-    [("10.0.0.7", {"board"}), ("10.0.1.255", {"board"}), ("192.168.3.4", {"base"}), ("10.0.1.9", {"board", "base"})],
-)
-def test_an_address_speaks_for_the_peers_that_name_it(address: str, peers: set[str]) -> None:
-    """By itself, or by the network that it is in."""
-    assert SourceGate([_BOARD, _BASE]).admit(socket.inet_aton(address), 0.0) == peers
-
-
-@pytest.mark.parametrize("address", ["10.0.0.6", "10.0.2.0", "127.0.0.1", "255.255.255.255", "0.0.0.1"])
-def test_a_stranger_is_refused(address: str) -> None:
-    """An address that no peer names may say nothing."""
-    assert _refused(SourceGate([_BOARD, _BASE]), address) is Reason.UNKNOWN_SOURCE
-
-
-def test_a_peer_without_sources_is_anyone() -> None:
-    """Any address speaks for it, and for nobody else."""
+def test_an_address_speaks_for_the_peers_that_name_it() -> None:
+    """By itself, or by the network that it is in; others may say nothing, but for a peer that names nobody."""
+    gate = SourceGate([_BOARD, _BASE])
+    for address, peers in (
+        *(("10.0.0.7", {"board"}), ("10.0.1.255", {"board"})),
+        *(("192.168.3.4", {"base"}), ("10.0.1.9", {"board", "base"})),
+    ):
+        assert gate.admit(socket.inet_aton(address), 0.0) == peers
+    for address in ("10.0.0.6", "10.0.2.0", "127.0.0.1", "255.255.255.255", "0.0.0.1"):
+        assert _refused(gate, address) is Reason.UNKNOWN_SOURCE
     assert SourceGate([_BOARD, _ANYONE]).admit(socket.inet_aton("8.8.8.8"), 0.0) == {"anyone"}
 
 

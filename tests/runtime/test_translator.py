@@ -10,7 +10,6 @@ from strategies import delimited, varint
 
 from generated.registry import REGISTRY
 from roverlink.runtime import ConversionError, DatagramError, Reason, Translator
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.interfaces import Time
 
@@ -91,20 +90,6 @@ def test_an_enum_that_does_not_fit_is_refused(payload: Any, expected: str, trans
     error = _refused(translator, _envelope(**payload))
     assert error.reason is Reason.CONVERSION
     assert str(error).startswith(f"payload {expected} does not fit uint8")
-
-
-def test_an_enum_value_that_nobody_declared_passes_where_it_fits(translator: Translator) -> None:
-    """A newer board may say something that this program has no name for; the number is handed on."""
-    _, message = translator.receive(_envelope(imu_info={"error_code": 255}))
-    assert cdr.decode(REGISTRY.by_name["imu_info"].message_type, message).error_code == 255
-
-
-def test_of_several_payloads_the_last_one_counts(translator: Translator) -> None:
-    """As protobuf has it for a oneof; unknown fields of a newer envelope beside it are ignored."""
-    plain = _envelope(ph_info={"voltage": 1.0})
-    newer = _envelope(imu_info={}) + delimited(99, b"new") + plain + varint(98 << 3) + varint(7)
-    assert translator.receive(newer) == translator.receive(plain)
-    assert translator.receive(plain)[0] == "ph_info"
 
 
 # --- batches ----------------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from google.protobuf.duration_pb2 import Duration as DurationPayload
 from google.protobuf.json_format import ParseDict
 from google.protobuf.struct_pb2 import ListValue, Struct, Value
 from google.protobuf.timestamp_pb2 import Timestamp
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from roverlink.runtime.convert.well_known import duration, json_list, json_struct, json_value, timestamp
@@ -28,49 +28,12 @@ _NANOSECONDS = st.integers(0, 999_999_999)
 
 
 @pytest.mark.parametrize(
-    ("seconds", "nanos", "time"),
-    [
-        (0, 0, Time(0, 0)),
-        (1_700_000_000, 5, Time(1_700_000_000, 5)),
-        (-1, 500_000_000, Time(-1, 500_000_000)),  # half a second before 1970, in both
-        (2**31 - 1, 999_999_999, Time(2**31 - 1, 999_999_999)),
-        (-(2**31), 0, Time(-(2**31), 0)),
-    ],
-)
-def test_a_timestamp_is_a_time(seconds: int, nanos: int, time: Time) -> None:
-    """Both count nanoseconds upwards, before 1970 too."""
-    payload = Timestamp(seconds=seconds, nanos=nanos)
-    assert timestamp.to_ros(payload, "stamp") == time
-    assert timestamp.from_ros(time, "stamp") == payload
-
-
-@pytest.mark.parametrize(
     ("seconds", "nanos"), [(2**31, 0), (-(2**31) - 1, 0), (253_402_300_799, 0), (0, -1), (0, 1_000_000_000)]
 )
 def test_a_timestamp_that_is_no_time_is_refused(seconds: int, nanos: int) -> None:
     """Nothing before 1901 or after 2038 fits; nanoseconds are from 0 to a second."""
     with pytest.raises(ConversionError, match=r"^stamp: "):
         timestamp.to_ros(Timestamp(seconds=seconds, nanos=nanos), "stamp")
-
-
-@pytest.mark.parametrize(
-    ("seconds", "nanos", "expected"),
-    [
-        (0, 0, Duration(0, 0)),
-        (1, 500_000_000, Duration(1, 500_000_000)),
-        (0, -500_000_000, Duration(-1, 500_000_000)),  # -0.5 s
-        (-1, -1, Duration(-2, 999_999_999)),  # -1.000000001 s
-        (-1, 0, Duration(-1, 0)),
-        (0, -999_999_999, Duration(-1, 1)),
-        (-(2**31) + 1, -1, Duration(-(2**31), 999_999_999)),
-        (2**31 - 1, 999_999_999, Duration(2**31 - 1, 999_999_999)),
-    ],
-)
-def test_a_duration_keeps_its_sign(seconds: int, nanos: int, expected: Duration) -> None:
-    """In protobuf both parts have one sign; ROS 2 rounds the seconds down."""
-    payload = DurationPayload(seconds=seconds, nanos=nanos)
-    assert duration.to_ros(payload, "took") == expected
-    assert duration.from_ros(expected, "took") == payload
 
 
 @pytest.mark.parametrize(
@@ -93,9 +56,11 @@ def test_a_second_of_nanoseconds_is_refused_from_ros(nanosec: int) -> None:
 
 
 @given(_INT32, _NANOSECONDS)
+@example(-1, 500_000_000)
 def test_every_time_of_ros_comes_back(sec: int, nanosec: int) -> None:
-    """From ROS 2 to protobuf and back; a duration is the same length in both."""
-    assert timestamp.to_ros(timestamp.from_ros(Time(sec, nanosec), ""), "") == Time(sec, nanosec)
+    """A timestamp counts nanoseconds upwards in both, before 1970 too; a duration's parts have one sign in protobuf."""
+    assert timestamp.from_ros(Time(sec, nanosec), "") == Timestamp(seconds=sec, nanos=nanosec)
+    assert timestamp.to_ros(Timestamp(seconds=sec, nanos=nanosec), "") == Time(sec, nanosec)
     payload = duration.from_ros(Duration(sec, nanosec), "")
     assert payload.seconds * 10**9 + payload.nanos == sec * 10**9 + nanosec
     assert payload.seconds * payload.nanos >= 0

@@ -45,16 +45,6 @@ def _over_the_wire(command: BoardCommand) -> BoardCommand:
 
 
 @pytest.mark.slow
-@given(first=_twists, second=_twists, part=st.floats(0, 1))
-def test_an_arc_may_be_replaced_in_its_middle(first: Twist, second: Twist, part: float) -> None:
-    """The next arc starts where the rover is by then; each one ends where its velocity leads, also backwards."""
-    linear, angular, duration = first
-    begun = arc_of_twist(*first)
-    end = begun.shortened(part * abs(begun.length)).end @ arc_of_twist(*second).end
-    assert _same(end, _driven([(linear, angular, part * duration), second]))
-
-
-@pytest.mark.slow
 @given(twist=_twists, straight_radius=st.sampled_from([0.0, 1e5, -1e7]))
 def test_the_board_drives_the_velocity(twist: Twist, straight_radius: float) -> None:
     """The command that reaches the board is the arc of the velocity, to single precision."""

@@ -82,14 +82,11 @@ def test_a_mission_ends_and_says_how(
     reached = MissionRun(Mission(tuple(goals)), rover, reports.append).run()
     ends = {report.goal: report.state for report in reports if report.state in (State.REACHED, State.FAILED)}
     assert reached == (len(ends) == len(goals) and set(ends.values()) == {State.REACHED})
-    assert reports[-1].state is (State.STOPPED if rover.steps < 0 or _must_stop(goals, ends) else State.DONE)
+    must_stop = any(state is State.FAILED and goals[number - 1].rules.stops for number, state in ends.items())
+    assert reports[-1].state is (State.STOPPED if rover.steps < 0 or must_stop else State.DONE)
     assert list(ends) == list(range(1, len(ends) + 1))
     for number, goal in enumerate(goals, 1):
         drives = [one for one in reports if one.goal == number and one.message.startswith("driving")]
         assert len(drives) <= (goal.rules.retries + 1) * 2
         seen_last = isinstance(goal.place, LandmarkViewpoint) and ends.get(number) is State.REACHED
         assert not seen_last or ("sees", True) in rover.called
-
-
-def _must_stop(goals: list[Goal], ends: dict[int, State]) -> bool:
-    return any(state is State.FAILED and goals[number - 1].rules.stops for number, state in ends.items())

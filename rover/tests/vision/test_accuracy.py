@@ -23,12 +23,6 @@ APRILTAG = "OpenCV APRILTAG"
 BY_NAME = {one.name: one for one in DEGRADATIONS}
 
 
-def is_chance(nees: float, count: int) -> bool:
-    """True if a mean squared error of poses is in its band, widened to 99.9 %."""
-    low, high = nees_band(count)
-    return 6 - 1.7 * (6 - low) < nees < 6 + 1.7 * (high - 6)
-
-
 @pytest.mark.parametrize(
     ("side_px", "poses"),
     [pytest.param(48, 12, marks=pytest.mark.slow)]
@@ -43,7 +37,8 @@ def test_poses_are_as_accurate_as_promised(side_px: int, poses: int) -> None:
     assert found.flips <= (0 if side_px >= 48 else 3)  # %; below, one frame cannot always decide
     figures = found.translation_median, found.translation_p95, found.rotation_median, found.rotation_p95
     assert np.less(figures, goals).all(), figures
-    assert poses < 200 or is_chance(found.nees, poses)
+    low, high = nees_band(poses)
+    assert poses < 200 or 6 - 1.7 * (6 - low) < found.nees < 6 + 1.7 * (high - 6)  # the band, widened to 99.9 %
 
 
 @pytest.mark.skipif(not ROOM.is_dir(), reason="need the photographs of a room (../shared/photos)")

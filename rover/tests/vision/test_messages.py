@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import math
 import pkgutil
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -24,9 +25,7 @@ _STAMP = 1_700_000_000_123_456_789
 _NAMES = FrameNames("eye", "mark_")
 _HYPOTHESIS = "RIHS01_51da43cec11c01957a64d1e05a24acd18aae7745ec30b74348ad5f6d634f7f90"
 """The hash of ObjectHypothesis in code that ROS 2 generated."""
-
-
-STORE = store()
+_store = cache(store)  # not at the import, since it takes a fifth of a second
 
 
 def _ours_of(package: str) -> list[type[Message]]:
@@ -40,7 +39,7 @@ OURS = [one for package in pkgutil.iter_modules(interfaces.__path__) for one in 
 
 
 def _read(message: Message) -> Any:
-    return STORE.deserialize_cdr(cdr.encode(message), message.__msgtype__)
+    return _store().deserialize_cdr(cdr.encode(message), message.__msgtype__)
 
 
 def _seen(rotation: Any = FACING, number: int = 7) -> LandmarkDetection:
@@ -69,10 +68,10 @@ def _theirs(definition: Any) -> Any:
 def test_the_definitions_are_those_of_ros_2(ours: type[Message]) -> None:
     """Names, types and order of the fields are those of the packages, and so is the hash where we say one."""
     name = ours.__msgtype__
-    expected = [(field, _theirs(definition)) for field, definition in STORE.fielddefs[name][1]]
+    expected = [(field, _theirs(definition)) for field, definition in _store().fielddefs[name][1]]
     assert [(field.name, _ours(field.type)) for field in fields_of(ours)] == expected
-    assert ours.__typehash__ in ("", STORE.hash_rihs01(name))
-    assert STORE.hash_rihs01("vision_msgs/msg/ObjectHypothesis") == _HYPOTHESIS  # by our text of the package
+    assert ours.__typehash__ in ("", _store().hash_rihs01(name))
+    assert _store().hash_rihs01("vision_msgs/msg/ObjectHypothesis") == _HYPOTHESIS  # by our text of the package
 
 
 def test_a_transform_takes_the_markers_points_to_the_camera() -> None:
@@ -84,14 +83,10 @@ def test_a_transform_takes_the_markers_points_to_the_camera() -> None:
     assert transform.header.stamp.sec * 10**9 + transform.header.stamp.nanosec == _STAMP
     t, q = transform.transform.translation, transform.transform.rotation
     assert [t.x, t.y, t.z] == one.pose.translation.tolist()
-    for point in np.eye(3):
-        assert _turned(q, point) == pytest.approx(one.pose.rotation @ point, abs=1e-12)
-
-
-def _turned(q: Any, point: Any) -> Any:
-    """A point turned by a quaternion: p + 2 w (v x p) + 2 v x (v x p)."""
     v = np.array([q.x, q.y, q.z])
-    return point + 2 * q.w * np.cross(v, point) + 2 * np.cross(v, np.cross(v, point))
+    for point in np.eye(3):
+        turned = point + 2 * q.w * np.cross(v, point) + 2 * np.cross(v, np.cross(v, point))
+        assert turned == pytest.approx(one.pose.rotation @ point, abs=1e-12)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 0.7, 3.0, math.pi])

@@ -44,11 +44,6 @@ def _image(number: int, size: tuple[int, int] = (320, 240)) -> Any:
     return image
 
 
-def _noise(number: int) -> Any:
-    """An image that costs many bits."""
-    return np.random.default_rng(number).integers(0, 255, (240, 320, 3), np.uint8)
-
-
 class _Receiving:
     """Receiver on a thread, which keeps what arrives."""
 
@@ -82,10 +77,6 @@ def _sender(port: int) -> Iterator[RtpOutput]:
         yield output
 
 
-def _stamps(count: int) -> list[int]:
-    return [_BEGAN + number * _PERIOD for number in range(count)]
-
-
 def _put(output: RtpOutput, *images: Any, first: int = 0) -> None:
     """Send images, which are a period apart."""
     for number, image in enumerate(images, first):
@@ -104,7 +95,7 @@ def test_images_arrive_with_their_times() -> None:
             _put(output, _image(number), first=number)
             receiving.wait_for(number + 1)
     units = receiving.units
-    assert [unit.stamp for unit in units] == _stamps(30)
+    assert [unit.stamp for unit in units] == [_BEGAN + number * _PERIOD for number in range(30)]
     assert [unit.restarted for unit in units] == [True] + 29 * [False]
     assert all(unit.intact for unit in units)
     assert [round((unit.timestamp - units[0].timestamp) / 3000) for unit in units] == list(range(30))
@@ -118,7 +109,7 @@ def test_lost_packets_are_sent_again(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reordering, "WAIT_NS", 20 * 10**9)  # a busy computer answers late
     with _Receiving() as receiving, RadioLink([receiving.port], loss=0.1) as link, _sender(link.ports[0]) as output:
         for number in range(60):
-            _put(output, _noise(number), first=number)
+            _put(output, np.random.default_rng(number).integers(0, 255, (240, 320, 3), np.uint8), first=number)
             receiving.wait_for(number - 5)
     assert receiving.units[0].stamp == _BEGAN
     assert all(unit.intact for unit in receiving.units)
