@@ -41,10 +41,15 @@ if [ "$(cat .aarch64/packages 2>/dev/null)" != "$packages" ]; then
   fi
   echo "$packages" >.aarch64/packages
 fi
+if ! ls dist/*_aarch64.whl >/dev/null; then
+  echo "make dist has made no wheel for aarch64 (see above)" >&2
+  exit 2
+fi
 
 rm -rf "$root/src"
 mkdir "$root/src"
-git ls-files -z --cached --others --exclude-standard | tar --create --null --files-from - | tar --extract --directory "$root/src"
+{ git ls-files -z --cached --others --exclude-standard; printf '%s\0' dist/*.whl; } |
+  tar --create --null --files-from - | tar --extract --directory "$root/src"
 # The network of this computer: its name servers, and the certificates that it trusts.
 cp /etc/resolv.conf "$root/etc/"
 cp /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/"
