@@ -1,0 +1,133 @@
+"""Section `rover`: all rows of a table at once, as a rover sends them, and what the other features add to it."""
+
+import contextlib
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from bench.contestants import ROOT, OurBridge
+from bench.errors import BenchError
+from bench.lab import Lab
+from bench.process import wait_until_bound
+from bench.result import Group, SectionResult, Table
+from bench.rig import free_port
+
+RATE = 5_000
+WARM_UP_SECONDS, SETTLE_SECONDS = 0.5, 0.3
+SECONDS_FACTOR = 5.0  # commands and link messages come seldom
+_FULL_PROJECT = ROOT / "tests" / "soak" / "full_project.py"
+_RECORDER = ("--record", "{folder}/run.mcap")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """Work of a bridge: with `full`, all that a table can ask for; `options` of `roverlink run`; 0: usual rates."""
+
+    heading: str
+    rate: int = RATE
+    full: bool = False
+    options: Sequence[str] = ()
+
+
+PLAIN = Case(f"the sample table, {RATE:,}/s")
+CASES = (
+    Case("the sample table, each row at the rate of `roverlink simulate`", rate=0),
+    PLAIN,
+    Case(f"the sample table, {RATE:,}/s, recorder", options=_RECORDER),
+    Case(
+        f"signatures, deadmen, links and limits, {RATE:,}/s, recorder and page",
+        full=True,
+        options=(*_RECORDER, "--page", "0"),
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """What a bridge needed for a case."""
+
+    case: str
+    contestant: str
+    per_second: float
+    lost: int
+    cpu_us: float
+    megabytes: float
+
+
+NOTES = (
+    "CPU: of the whole process with recorder and page, per datagram and command. Nobody subscribes or opens the page.",
+    f"As multiples, vs python: of the same without the native core; vs plain: of the sample table at {RATE:,}/s.",
+    "+us: CPU beyond that of the sample table at the same rate; with the recorder alone, what that costs.",
+)
+
+
+def measure(lab: Lab) -> SectionResult:
+    """Run each case with each contestant that is ours."""
+    ours = [contestant for contestant in lab.contestants if isinstance(contestant, OurBridge)]
+    costs: dict[tuple[str, str], Cost] = {}
+    for case in CASES:
+        for contestant in ours:
+            cost = costs[case.heading, contestant.name] = _cost(lab, case, contestant)
+            lab.say(f"{contestant.name:>20} {cost.cpu_us:.1f} us, {cost.lost} lost: {case.heading}")
+    groups = [Group(case.heading, [_row(costs, case, one.name) for one in ours]) for case in CASES]
+    table = Table("A whole rover", _COLUMNS, groups, NOTES)
+    return SectionResult([table] if ours else [], data={"costs": [*map(asdict, costs.values())]})
+
+
+_COLUMNS = ("", "1/s", "lost", "CPU us", "vs python", "vs plain", "+us", "MB")
+
+
+def _row(costs: dict[tuple[str, str], Cost], case: Case, name: str) -> Sequence[str]:
+    own, plain = costs[case.heading, name], costs[PLAIN.heading, name]
+    python = costs.get((case.heading, "rclpy-python" if name.startswith("rclpy") else "python"), own)
+    beside = (
+        ("-", "-")
+        if case.rate != RATE or case is PLAIN
+        else (f"{own.cpu_us / plain.cpu_us:.2f}", f"{own.cpu_us - plain.cpu_us:.2f}")
+    )
+    ratio = "-" if python is own else f"{own.cpu_us / python.cpu_us:.2f}"
+    return (name, f"{own.per_second:,.0f}", str(own.lost), f"{own.cpu_us:.1f}", ratio, *beside, f"{own.megabytes:.0f}")
+
+
+def _cost(lab: Lab, case: Case, contestant: OurBridge) -> Cost:
+    folder, port, seconds = lab.site.out / "rover", free_port(), lab.seconds * SECONDS_FACTOR
+    shutil.rmtree(folder, ignore_errors=True)
+    (folder / "keys").mkdir(parents=True)
+    project = _full_project(folder / "full") if case.full else ROOT
+    with contextlib.ExitStack() as stack:
+        load = stack.enter_context(
+            lab.rover_load(contestant, project, port, case.rate, seconds + WARM_UP_SECONDS, folder / "keys")
+        )
+        given = load.ask("")
+        options = [option.format(folder=folder) for option in case.options]
+        options += [word for file in given["keys"] for word in ("--key-file", file)]
+        command = contestant.run(project, {**given["parameters"], "listen_port": port}, options)
+        bridge = stack.enter_context(lab.start(contestant, command))
+        wait_until_bound(bridge, port)
+        warmed = load.ask(f"{WARM_UP_SECONDS}")
+        used = bridge.cpu_seconds()
+        offered = load.ask(f"{seconds}")
+        used = bridge.cpu_seconds() - used
+        time.sleep(SETTLE_SECONDS)
+        megabytes = bridge.resident_mb()
+        counts = bridge.stop()
+    return Cost(
+        case=case.heading,
+        contestant=contestant.name,
+        per_second=offered["sent"] / offered["seconds"],
+        lost=warmed["sent"] + offered["sent"] - counts["received"],
+        cpu_us=used / (offered["sent"] + offered["commands"]) * 1e6,
+        megabytes=megabytes,
+    )
+
+
+def _full_project(folder: Path) -> Path:
+    command = (sys.executable, str(_FULL_PROJECT), str(folder))
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  # our own program
+    if done.returncode:
+        raise BenchError(f"{_FULL_PROJECT} failed:\n{done.stderr}")
+    return folder
