@@ -1,6 +1,7 @@
 """Section `watching`: CPU cost of recording and of Foxglove on the thread of a bridge that receives datagrams."""
 
 import logging
+import math
 import tempfile
 import threading
 import time
@@ -26,7 +27,7 @@ from roverlink.runtime.ros_arguments import parameters
 from roverlink.simulation.peers import Arrivals
 
 RATE = 5_000  # datagrams a second; far more than a rover has, and no more than two busy cores handle
-SECONDS_FACTOR, WARM_UP_SECONDS = 5.0, 0.2
+ROUNDS, WARM_UP_SECONDS = 5, 0.2
 
 NOTE = (
     f"CPU time of the receiving thread per datagram, at {RATE:,} a second. Other threads write the file and serve"
@@ -72,18 +73,22 @@ def _cost(
         watcher = stack.enter_context(watched(open_middleware("dds", NodeIdentity("bench"))))
         settings, logger = parameters.read(REGISTRY, given), logging.getLogger("bench")
         bridge = Bridge(REGISTRY, settings, watcher.middleware, lambda topic: f"/{topic}", logger, watcher.observers)
+        others = {*threading.enumerate()}
         stack.enter_context(bridge)
+        thread = next(one for one in {*threading.enumerate()} - others if one.name == "udp-receive")
         udp = ("udp", bridge.port, imu_datagram().hex(), IMU_STAMP.high, IMU_STAMP.low)
         load = stack.enter_context(lab.tool("load", *udp))
-        thread = next(thread for thread in threading.enumerate() if thread.name == "udp-receive")
         clock = time.pthread_getcpuclockid(thread.ident or 0)
         load.ask(f"{RATE} {WARM_UP_SECONDS}")
-        before, received = time.clock_gettime(clock), bridge.account.received
-        load.ask(f"{RATE} {lab.seconds * SECONDS_FACTOR}")
-        spent, received = time.clock_gettime(clock) - before, bridge.account.received - received
+        fastest = math.inf  # of some rounds, because other programs only ever make a round slower
+        for _ in range(ROUNDS):
+            before, received = time.clock_gettime(clock), bridge.account.received
+            load.ask(f"{RATE} {lab.seconds}")
+            spent, received = time.clock_gettime(clock) - before, bridge.account.received - received
+            fastest = min(fastest, spent / received)
         bridge.stop()
         bridge.run()
-        return bridge.way, spent / received * 1e6, watcher.lost()
+        return bridge.way, fastest * 1e6, watcher.lost()
 
 
 @contextmanager
