@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from bench.contestants import Contestant
+from bench.contestants import Contestant, twin_without_core
 from bench.lab import Lab
 from bench.result import Chart, Curve, Group, SectionResult, Table
 from bench.rig import Point, Rig, Setting, open_rig
@@ -27,7 +27,7 @@ LATENCY_RATE = 1_000
 CPU_RATES: tuple[float | None, ...] = (1_000, 20_000, None)  # measured even if much is lost
 LATENCY_FACTOR = 2.0  # the latency measurement is longer by this, since a p99 needs many datagrams
 LOSSES_TO_STOP = 2  # lossy rates in a row after which higher rates are skipped
-REFERENCES = ("cpp", "python")
+REFERENCE = "cpp"
 
 NOTES = (
     (
@@ -103,7 +103,8 @@ _COLUMNS = (
     "flood,\nbridged/s",
     "CPU us, at\n1k / 20k / flood",
     "latency us\np50 / p99",
-    *(f"vs {name}:\nrate; CPU" for name in REFERENCES),
+    f"vs {REFERENCE}:\nrate; CPU",
+    "vs python:\nrate; CPU",
 )
 
 
@@ -116,7 +117,7 @@ def _rows(points: Sequence[Point], setting: Setting) -> list[list[str]]:
             f"{_at(own, None).delivered_per_second:,.0f}",
             " / ".join(f"{_at(own, rate).cpu_us:.3g}" for rate in CPU_RATES),
             _latency(_at(own, LATENCY_RATE)),
-            *(_ratio(own, by_contestant.get(_reference(name, reference), own)) for reference in REFERENCES),
+            *(_ratio(own, by_contestant.get(other, own)) for other in (REFERENCE, twin_without_core(name))),
         ]
         for name, own in by_contestant.items()
     ]
@@ -145,10 +146,6 @@ def _highest_lossless(points: Iterable[Point]) -> str:
 
 def _latency(point: Point) -> str:
     return "-" if point.p50_us is None or point.p99_us is None else f"{point.p50_us:.0f} / {point.p99_us:.0f}"
-
-
-def _reference(name: str, reference: str) -> str:
-    return f"rclpy-{reference}" if name.startswith("rclpy") else reference
 
 
 def _ratio(own: Sequence[Point], reference: Sequence[Point]) -> str:

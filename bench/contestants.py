@@ -69,6 +69,11 @@ class OurBridge(Contestant):
     run: Callable[[Path, Mapping[str, object], Sequence[str]], Sequence[str]] = field(kw_only=True)
 
 
+def twin_without_core(name: str) -> str:
+    """Return the name of the contestant that is as another one of ours, but without the native core."""
+    return "rclpy-python" if name.startswith("rclpy") else "python"
+
+
 @dataclass(frozen=True, slots=True)
 class Site:
     """Inputs of the contestants: the C++ programs if they are built, the .proto tree, and the output folder."""

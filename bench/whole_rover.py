@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from bench.contestants import ROOT, OurBridge
+from bench.contestants import ROOT, OurBridge, twin_without_core
 from bench.errors import BenchError
 from bench.lab import Lab
 from bench.process import wait_until_bound
@@ -69,28 +69,34 @@ def measure(lab: Lab) -> SectionResult:
     """Run each case with each contestant that is ours."""
     ours = [contestant for contestant in lab.contestants if isinstance(contestant, OurBridge)]
     costs: dict[tuple[str, str], Cost] = {}
+    notes = [*NOTES]
     for case in CASES:
         for contestant in ours:
-            cost = costs[case.heading, contestant.name] = _cost(lab, case, contestant)
-            lab.say(f"{contestant.name:>20} {cost.cpu_us:.1f} us, {cost.lost} lost: {case.heading}")
-    groups = [Group(case.heading, [_row(costs, case, one.name) for one in ours]) for case in CASES]
-    table = Table("A whole rover", _COLUMNS, groups, NOTES)
+            try:
+                cost = costs[case.heading, contestant.name] = _cost(lab, case, contestant)
+            except BenchError as error:  # an optional package is not installed
+                notes.append(f"{contestant.name} is left out of {case.heading}: {str(error).splitlines()[-1].strip()}")
+                lab.say(notes[-1])
+            else:
+                lab.say(f"{contestant.name:>20} {cost.cpu_us:.1f} us, {cost.lost} lost: {case.heading}")
+    groups = [Group(case.heading, _rows(costs, case)) for case in CASES]
+    table = Table("A whole rover", _COLUMNS, groups, notes)
     return SectionResult([table] if ours else [], data={"costs": [*map(asdict, costs.values())]})
 
 
 _COLUMNS = ("", "1/s", "lost", "CPU us", "vs python", "vs plain", "+us", "MB")
 
 
-def _row(costs: dict[tuple[str, str], Cost], case: Case, name: str) -> Sequence[str]:
-    own, plain = costs[case.heading, name], costs[PLAIN.heading, name]
-    python = costs.get((case.heading, "rclpy-python" if name.startswith("rclpy") else "python"), own)
-    beside = (
-        ("-", "-")
-        if case.rate != RATE or case is PLAIN
-        else (f"{own.cpu_us / plain.cpu_us:.2f}", f"{own.cpu_us - plain.cpu_us:.2f}")
-    )
-    ratio = "-" if python is own else f"{own.cpu_us / python.cpu_us:.2f}"
-    return (name, f"{own.per_second:,.0f}", str(own.lost), f"{own.cpu_us:.1f}", ratio, *beside, f"{own.megabytes:.0f}")
+def _rows(costs: dict[tuple[str, str], Cost], case: Case) -> list[Sequence[str]]:
+    found = []
+    for own in (cost for (heading, _), cost in costs.items() if heading == case.heading):
+        python = costs.get((case.heading, twin_without_core(own.contestant)), own)
+        plain = own if case.rate != RATE else costs.get((PLAIN.heading, own.contestant), own)
+        vs_python, vs_plain = ("-" if one is own else f"{own.cpu_us / one.cpu_us:.2f}" for one in (python, plain))
+        more = "-" if plain is own else f"{own.cpu_us - plain.cpu_us:.2f}"
+        numbers = (f"{own.per_second:,.0f}", str(own.lost), f"{own.cpu_us:.1f}", vs_python, vs_plain, more)
+        found.append((own.contestant, *numbers, f"{own.megabytes:.0f}"))
+    return found
 
 
 def _cost(lab: Lab, case: Case, contestant: OurBridge) -> Cost:
