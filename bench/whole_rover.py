@@ -34,16 +34,18 @@ class Case:
 
 
 PLAIN = Case(f"the sample table, {RATE:,}/s")
+EVERYTHING = Case(
+    f"signatures, deadmen, links and limits, {RATE:,}/s, recorder and page",
+    full=True,
+    options=(*_RECORDER, "--page", "0"),
+)
 CASES = (
     Case("the sample table, each row at the rate of `roverlink simulate`", rate=0),
     PLAIN,
     Case(f"the sample table, {RATE:,}/s, recorder", options=_RECORDER),
-    Case(
-        f"signatures, deadmen, links and limits, {RATE:,}/s, recorder and page",
-        full=True,
-        options=(*_RECORDER, "--page", "0"),
-    ),
+    EVERYTHING,
 )
+QUICK_CASES = (PLAIN, EVERYTHING)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +72,8 @@ def measure(lab: Lab) -> SectionResult:
     ours = [contestant for contestant in lab.contestants if isinstance(contestant, OurBridge)]
     costs: dict[tuple[str, str], Cost] = {}
     notes = [*NOTES]
-    for case in CASES:
+    cases = QUICK_CASES if lab.quick else CASES
+    for case in cases:
         for contestant in ours:
             try:
                 cost = costs[case.heading, contestant.name] = _cost(lab, case, contestant)
@@ -79,7 +82,7 @@ def measure(lab: Lab) -> SectionResult:
                 lab.say(notes[-1])
             else:
                 lab.say(f"{contestant.name:>20} {cost.cpu_us:.1f} us, {cost.lost} lost: {case.heading}")
-    groups = [Group(case.heading, _rows(costs, case)) for case in CASES]
+    groups = [Group(case.heading, _rows(costs, case)) for case in cases]
     table = Table("A whole rover", _COLUMNS, groups, notes)
     return SectionResult([table] if ours else [], data={"costs": [*map(asdict, costs.values())]})
 
@@ -88,7 +91,7 @@ _COLUMNS = ("", "1/s", "lost", "CPU us", "vs python", "vs plain", "+us", "MB")
 
 
 def _rows(costs: dict[tuple[str, str], Cost], case: Case) -> list[Sequence[str]]:
-    found = []
+    found: list[Sequence[str]] = []
     for own in (cost for (heading, _), cost in costs.items() if heading == case.heading):
         python = costs.get((case.heading, twin_without_core(own.contestant)), own)
         plain = own if case.rate != RATE else costs.get((PLAIN.heading, own.contestant), own)

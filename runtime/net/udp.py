@@ -187,7 +187,7 @@ def sender_reader(sock: socket.socket, size: int) -> Callable[[], list[SentDatag
 
 def _arrived(receive: Callable[[], T]) -> list[T]:
     # One call of recvmmsg for many datagrams would save half a microsecond for each of them, but to handle one in
-    # Python takes thirty times as long. The native core does use it.
+    # Python takes twenty times as long. The native core does use it.
     arrived: list[T] = []
     with contextlib.suppress(BlockingIOError):
         while len(arrived) < _SLOTS:
