@@ -20,6 +20,10 @@ for tool in debootstrap qemu-aarch64-static; do
     exit 2
   fi
 done
+if ! ls dist/*_aarch64.whl >/dev/null; then
+  echo "make dist has made no wheel for aarch64 (see above)" >&2
+  exit 2
+fi
 # With a mount namespace of its own, this run leaves no mount behind, however it ends.
 if [ -z "${OWN_MOUNTS:-}" ]; then
   OWN_MOUNTS=yes exec unshare --mount --propagation private "$0"
@@ -40,10 +44,6 @@ if [ "$(cat .aarch64/packages 2>/dev/null)" != "$packages" ]; then
     exit 2
   fi
   echo "$packages" >.aarch64/packages
-fi
-if ! ls dist/*_aarch64.whl >/dev/null; then
-  echo "make dist has made no wheel for aarch64 (see above)" >&2
-  exit 2
 fi
 
 rm -rf "$root/src"
