@@ -39,7 +39,7 @@ NOTES = (
         " subscriber's callback (floor: to recv; DDS -> UDP: from write() to the hardware's recv)."
     ),
     (
-        "vs: rate in a flood; CPU at 1k / 20k / flood, as multiples of that contestant's in the same setting."
+        "vs: rate in a flood; CPU at 1k/20k/flood, as multiples of that contestant's in the same setting."
         " For rclpy, python is rclpy-python."
     ),
 )
@@ -152,7 +152,7 @@ def _ratio(own: Sequence[Point], reference: Sequence[Point]) -> str:
     if reference is own or not _at(reference, None).delivered:
         return "-"
     rate = _at(own, None).delivered_per_second / _at(reference, None).delivered_per_second
-    cpu = " / ".join(f"{_at(own, at).cpu_us / _at(reference, at).cpu_us:.2f}" for at in CPU_RATES)
+    cpu = "/".join(f"{_at(own, at).cpu_us / _at(reference, at).cpu_us:.2f}" for at in CPU_RATES)
     return f"{rate:.2f}; {cpu}"
 
 
