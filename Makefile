@@ -14,6 +14,8 @@ FUZZ_SECONDS ?= 60
 unexport PYTHONDONTWRITEBYTECODE
 RUNTIME_INTERFACES := roverlink.generator.emit.targets.python.runtime_interfaces
 HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs conftest.py hatch_build.py
+# `make dist` compiles the native core for these, too, each with the cross compiler of Debian and Ubuntu.
+CROSS := $(filter-out $(shell uname -m),aarch64)
 # An editable install compiles the native core from these.
 NATIVE := hatch_build.py $(wildcard native/include/roverlink/*.h native/src/*)
 
@@ -41,12 +43,16 @@ test-vision: $(VENV)/ready-vision  ## the tests of the camera programs; OPENCV=4
 test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
 	$(PYTHON) tests/ros2/run.py $(ROS2)
 
-test-aarch64:  ## roverlink from its wheel on an aarch64 that QEMU emulates; needs root
+test-aarch64: dist  ## roverlink from its wheel on an aarch64 that QEMU emulates; needs root
 	tests/aarch64/run.sh
 
-dist: $(VENV)/ready-dist  ## build the sdists of the three products, and from them the wheels, in dist/
+dist: $(VENV)/ready-dist  ## build the sdists of the three products, and from them the wheels, in dist/; that of roverlink for aarch64, too
 	rm -f dist/*.whl dist/*.tar.gz
 	for product in . rover check_launch; do $(BIN)/python -m build --outdir dist $$product || exit 1; done
+	@for machine in $(CROSS); do \
+		if command -v $$machine-linux-gnu-g++ >/dev/null; then \
+			CXX=$$machine-linux-gnu-g++ _PYTHON_HOST_PLATFORM=linux-$$machine $(BIN)/python -m build --wheel --outdir dist . || exit 1; \
+		else echo "no wheel of roverlink for $$machine: install its compiler (apt-get install g++-$$machine-linux-gnu)"; fi; done
 
 test-dist: dist  ## the wheel and the sdist in an empty environment and an empty folder: the three jobs of a user
 	$(BIN)/python tests/distribution/smoke.py dist

@@ -1,7 +1,9 @@
 """Compiles the native core (native/) into the wheel and into editable installs. Hatchling calls it.
 
 The compiler alone builds the library: it is one command, which CMake would only wrap. CXX, CXXFLAGS and LDFLAGS mean
-what they usually do. Without a compiler, and if it fails, the wheel is a pure one, and the bridge translates in Python.
+what they usually do. For another platform, CXX is its cross compiler, and _PYTHON_HOST_PLATFORM its name, such as
+linux-aarch64, which Python then returns as its own. Without a compiler, and if it fails, the wheel is a pure one, and
+the bridge translates in Python.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bench import bridging, conversion, generation, history, linting, signing, watching
+from bench import bridging, conversion, generation, history, linting, signing, starting, watching, whole_rover
 from bench.contestants import FINDERS, ROOT
 from bench.errors import BenchError
 from bench.lab import Lab, prepare
@@ -17,6 +17,8 @@ from bench.result import SectionResult
 # To add a section, write a module with such a function and add a line here.
 SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {
     "bridging": bridging.measure,
+    "starting": starting.measure,
+    "rover": whole_rover.measure,
     "watching": watching.measure,
     "conversion": conversion.measure,
     "signing": signing.measure,

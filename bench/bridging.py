@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from bench.contestants import Contestant
+from bench.contestants import Contestant, twin_without_core
 from bench.lab import Lab
 from bench.result import Chart, Curve, Group, SectionResult, Table
 from bench.rig import Point, Rig, Setting, open_rig
@@ -27,7 +27,7 @@ LATENCY_RATE = 1_000
 CPU_RATES: tuple[float | None, ...] = (1_000, 20_000, None)  # measured even if much is lost
 LATENCY_FACTOR = 2.0  # the latency measurement is longer by this, since a p99 needs many datagrams
 LOSSES_TO_STOP = 2  # lossy rates in a row after which higher rates are skipped
-REFERENCES = ("cpp", "handwritten")
+REFERENCE = "cpp"
 
 NOTES = (
     (
@@ -38,7 +38,10 @@ NOTES = (
         "CPU: user and system time of the whole process per datagram that came out. Latency: from send() to the"
         " subscriber's callback (floor: to recv; DDS -> UDP: from write() to the hardware's recv)."
     ),
-    "vs: rate and CPU in a flood, as multiples of that contestant's in the same setting.",
+    (
+        "vs: rate in a flood; CPU at 1k/20k/flood, as multiples of that contestant's in the same setting."
+        " For rclpy, python is rclpy-python."
+    ),
 )
 
 
@@ -100,21 +103,21 @@ _COLUMNS = (
     "flood,\nbridged/s",
     "CPU us, at\n1k / 20k / flood",
     "latency us\np50 / p99",
-    *(f"vs {name}:\nrate, CPU" for name in REFERENCES),
+    f"vs {REFERENCE}:\nrate; CPU",
+    "vs python:\nrate; CPU",
 )
 
 
 def _rows(points: Sequence[Point], setting: Setting) -> list[list[str]]:
     by_contestant = _by_contestant(points, setting)
-    floods = {name: _at(own, None) for name, own in by_contestant.items()}
     return [
         [
             name,
             _highest_lossless(own),
-            f"{floods[name].delivered_per_second:,.0f}",
+            f"{_at(own, None).delivered_per_second:,.0f}",
             " / ".join(f"{_at(own, rate).cpu_us:.3g}" for rate in CPU_RATES),
             _latency(_at(own, LATENCY_RATE)),
-            *(_ratio(floods[name], floods.get(reference)) for reference in REFERENCES),
+            *(_ratio(own, by_contestant.get(other, own)) for other in (REFERENCE, twin_without_core(name))),
         ]
         for name, own in by_contestant.items()
     ]
@@ -145,11 +148,12 @@ def _latency(point: Point) -> str:
     return "-" if point.p50_us is None or point.p99_us is None else f"{point.p50_us:.0f} / {point.p99_us:.0f}"
 
 
-def _ratio(point: Point, reference: Point | None) -> str:
-    if reference is None or reference is point or not reference.delivered:
+def _ratio(own: Sequence[Point], reference: Sequence[Point]) -> str:
+    if reference is own or not _at(reference, None).delivered:
         return "-"
-    rate = point.delivered_per_second / reference.delivered_per_second
-    return f"{rate:.2f}x, {point.cpu_us / reference.cpu_us:.2f}x"
+    rate = _at(own, None).delivered_per_second / _at(reference, None).delivered_per_second
+    cpu = "/".join(f"{_at(own, at).cpu_us / _at(reference, at).cpu_us:.2f}" for at in CPU_RATES)
+    return f"{rate:.2f}; {cpu}"
 
 
 # -- the picture and the data

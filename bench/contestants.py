@@ -4,11 +4,13 @@ All are child processes that listen on a UDP port. On SIGINT they stop and print
 """
 
 import importlib.util
+import json
 import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +63,18 @@ class Contestant:
 
 
 @dataclass(frozen=True, slots=True)
+class OurBridge(Contestant):
+    """A `roverlink run`. `run` takes a project, parameters and further options, and returns the command."""
+
+    run: Callable[[Path, Mapping[str, object], Sequence[str]], Sequence[str]] = field(kw_only=True)
+
+
+def twin_without_core(name: str) -> str:
+    """Return the name of the contestant that is as another one of ours, but without the native core."""
+    return "rclpy-python" if name.startswith("rclpy") else "python"
+
+
+@dataclass(frozen=True, slots=True)
 class Site:
     """Inputs of the contestants: the C++ programs if they are built, the .proto tree, and the output folder."""
 
@@ -107,21 +121,36 @@ def _handwritten(site: Site) -> Contestant:
 
 
 def _roverlink(site: Site) -> Contestant:
-    return Contestant("roverlink", "this project", _run_of_same_work(site, [str(_script())], "dds"))
+    return _our_bridge("roverlink", "this project", site)
+
+
+def _python(site: Site) -> Contestant:
+    return _our_bridge("python", "this project without its native core", site)
 
 
 def _rclpy(site: Site) -> Contestant:
-    if not ros2.is_ready():
-        raise BenchError("there is no ROS 2 in .ros2; `make test-ros2` makes it, on x86-64")
-    command = _run_of_same_work(site, [ros2.python(), "-m", "roverlink"], "rclpy")
     about = f"this project on ROS 2 {ros2.DISTRIBUTION.capitalize()} from PyPI, with rclpy and Fast DDS"
-    return Contestant("rclpy", about, command, ros2.environment(), rclpy=True)
+    return _our_bridge("rclpy", about, site)
 
 
-def _run_of_same_work(site: Site, program: Sequence[str], middleware: str) -> Callable[[Ports, bool], Sequence[str]]:
-    """Return the command that bridges the same work as the other contestants, for given ports and forwards."""
-    project = site.out / "same-work"
-    _compile_for_same_work(_script(), site.proto, project)
+def _rclpy_python(site: Site) -> Contestant:
+    return _our_bridge("rclpy-python", "the same without the native core", site)
+
+
+def _our_bridge(name: str, about: str, site: Site) -> OurBridge:
+    """Return a contestant that is `roverlink run`; its name says with what."""
+    rclpy, native = name.startswith("rclpy"), not name.endswith("python")
+    if rclpy and not ros2.is_ready():
+        raise BenchError("there is no ROS 2 in .ros2; `make test-ros2` makes it, on x86-64")
+    program = [ros2.python(), "-m", "roverlink"] if rclpy else [str(_script())]
+    same_work = site.out / "same-work"
+    _compile_for_same_work(_script(), site.proto, same_work)
+
+    def run(project: Path, parameters: Mapping[str, object], options: Sequence[str]) -> Sequence[str]:
+        middleware = ("--middleware", "rclpy" if rclpy else "dds")
+        given = {**parameters, "native_core": native}
+        arguments = (word for one, value in given.items() for word in ("-p", f"{one}:={json.dumps(value)}"))
+        return (*program, "run", "--project", str(project), *middleware, "--json", *options, "--ros-args", *arguments)
 
     def command(ports: Ports, forwards: bool) -> Sequence[str]:
         parameters = {
@@ -131,11 +160,10 @@ def _run_of_same_work(site: Site, program: Sequence[str], middleware: str) -> Ca
             "dst_b_port": ports.b,
             "forward_policy": "all" if forwards else "mapping",
         }
-        arguments = (word for name, value in parameters.items() for word in ("-p", f"{name}:={value}"))
-        options = ("--project", str(project), "--middleware", middleware, "--json", "--ros-args")
-        return (*program, "run", *options, *arguments)
+        return run(same_work, parameters, ())
 
-    return command
+    environment = ros2.environment() if rclpy else {}
+    return OurBridge(name, about, command, environment, rclpy=rclpy, run=run)
 
 
 def _script() -> Path:
@@ -145,6 +173,7 @@ def _script() -> Path:
     return script
 
 
+@cache
 def _compile_for_same_work(script: Path, proto: Path, project: Path) -> None:
     """Compile our table into a separate project, restricted to the work that the other contestants do.
 
@@ -171,7 +200,9 @@ FINDERS: dict[str, Callable[[Site], Contestant]] = {
     "cpp": _cpp,
     "handwritten": _handwritten,
     "roverlink": _roverlink,
+    "python": _python,
     "rclpy": _rclpy,
+    "rclpy-python": _rclpy_python,
 }
 
 

@@ -44,7 +44,7 @@ class Lab:
 
     def tool(self, name: str, *arguments: object) -> Child:
         """Start `load` or `observe`: the C++ program, or the Python one if that is not built."""
-        program = getattr(self.site.programs, name) if self.site.programs else None
+        program = getattr(self.site.programs, name, None)
         command = [str(program)] if program else [sys.executable, "-m", f"bench.{name}"]
         environment = {**self.environment, "PYTHONPATH": f"{ROOT}:{self.site.python_protos}"}
         return Child(name, [*command, *map(str, arguments)], environment, self.site.out)
@@ -53,6 +53,13 @@ class Lab:
         """Start `load` or `observe` with rclpy."""
         environment = {**self.environment, **ros2.environment()}
         return Child(name, [ros2.python(), "-m", "bench.rclpy_tools", name], environment, self.site.out)
+
+    def rover_load(self, contestant: Contestant, *arguments: object) -> Child:
+        """Start `rover_load` with the middleware of a contestant."""
+        python, middleware = (ros2.python(), "rclpy") if contestant.rclpy else (sys.executable, "dds")
+        environment = {**self.environment, **contestant.environment}
+        command = [python, "-m", "bench.rover_load", middleware, *map(str, arguments)]
+        return Child("rover_load", command, environment, self.site.out)
 
 
 def prepare(

@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import IO, Any, cast
 
 from bench.errors import BenchError
+from roverlink.simulation.run_account import resident_bytes
 
 START_SECONDS = 20.0
 STOP_SECONDS = 10.0
@@ -63,6 +64,10 @@ class Child:
     def cpu_seconds(self) -> float:
         """Return the CPU time used so far."""
         return time.clock_gettime(self._clock)
+
+    def resident_mb(self) -> float:
+        """Return the resident memory of the program in megabytes."""
+        return (resident_bytes(self._process.pid) or 0) / 1e6
 
     def ask(self, line: str) -> dict[str, Any]:
         """Send a line to a tool and wait for its answer, one line of JSON."""

@@ -165,9 +165,9 @@ def open_rig(lab: Lab, setting: Setting) -> Iterator[Rig]:
     with ExitStack() as stack:
         sinks = [stack.enter_context(_sink()) for _ in range(2)]
         a, b = (sink.getsockname()[1] for sink in sinks)
-        listen = _free_port()
+        listen = free_port()
         if setting.outbound:
-            b = _free_port()
+            b = free_port()
             load = lab.rclpy_tool("load") if setting.rclpy else lab.tool("load", "dds")
             observer: Child | None = lab.tool("observe", "udp", b, MOTOR_STAMP.high, MOTOR_STAMP.low)
         else:
@@ -194,7 +194,7 @@ def _sink() -> socket.socket:
     return sink
 
 
-def _free_port() -> int:
+def free_port() -> int:
     """Return a port below those that the system gives to clients: one of these could take it before a bridge starts."""
     for port in random.sample(_PORTS, len(_PORTS)):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, contextlib.suppress(OSError):

@@ -61,8 +61,8 @@ from roverlink.simulation.simulated_keys import SimulatedKeys, make_throw_away_k
 from roverlink.simulation.simulated_nodes import SimulatedNodes
 
 _LOG_LEVEL = "error"  # its warnings repeat the counters of the final report
-_RATE_OF_A_ROW_HZ = 20.0
-_COMMANDS_HZ = 20.0
+RATE_OF_A_ROW_HZ = 20.0
+COMMANDS_HZ = 20.0
 # Making a datagram takes longer than sending it. At a high rate, a part of the stream is made in advance and repeated.
 _PREPARED = 5000
 _PREPARED_FROM_HZ = 1000.0
@@ -103,7 +103,7 @@ def add(commands: Subparsers) -> None:
         "--rate",
         type=rate,
         metavar="HZ",
-        help=f"total number of datagrams a second (default: {_RATE_OF_A_ROW_HZ:g} times the number of rows)",
+        help=f"total number of datagrams a second (default: {RATE_OF_A_ROW_HZ:g} times the number of rows)",
     )
     parser.add_argument(
         "--seconds",
@@ -128,7 +128,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate the peers. With ``--bridge``, the exit code is 1 if the bridge's counts do not add up."""
     registry = load_project(project_folder(arguments.project))
     longest = parameters.defaults(registry)["max_datagram"]
-    hertz = arguments.rate or _RATE_OF_A_ROW_HZ * sum(handler.route.inbound for handler in registry.handlers)
+    hertz = arguments.rate or RATE_OF_A_ROW_HZ * sum(handler.route.inbound for handler in registry.handlers)
     with contextlib.ExitStack() as stack:
         key_files = arguments.key_file or _throw_away_keys(registry, arguments.bridge, stack)
         keys = stack.enter_context(SimulatedKeys(registry, key_files)) if key_files else None
@@ -190,7 +190,7 @@ def _with_a_bridge(
         with contextlib.suppress(KeyboardInterrupt):
             for now in _play(stream, arguments.seconds, senders, totals, world):
                 if now >= next_commands:
-                    next_commands = now + 1 / _COMMANDS_HZ
+                    next_commands = now + 1 / COMMANDS_HZ
                     totals.commands += nodes.publish(now)
                 _watch_memory(host, now, totals)
         # The last datagrams are still on their way; counters must agree only at rest.

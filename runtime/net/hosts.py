@@ -11,11 +11,10 @@ from typing import NamedTuple
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
 """Address of a socket, as `socket.socket.sendto` takes it: IPv4 address and port, or the four values of IPv6."""
 
+_SOCKADDR_IN = 16
+"""Bytes of a sockaddr_in (ip(7)): family, port, address, padding.
 
-SOCKADDR = {socket.AF_INET: 16, socket.AF_INET6: 28}
-"""Bytes of a sockaddr_in (ip(7): family, port, address, padding) and of a sockaddr_in6.
-
-In ipv6(7), these are: family, port, flow, address, scope.
+A sockaddr_in6 (ipv6(7)) is longer: family, port, flow, address, scope.
 """
 
 
@@ -73,7 +72,7 @@ def sender_at(address: SocketAddress) -> Sender:
 def sender_of(name: bytes) -> Sender:
     """Return the sender for the bytes of a sockaddr_in or a sockaddr_in6."""
     port = int.from_bytes(name[2:4], "big")
-    if len(name) == SOCKADDR[socket.AF_INET]:
+    if len(name) == _SOCKADDR_IN:
         return sender_at((socket.inet_ntoa(name[4:8]), port))
     flow, scope = int.from_bytes(name[4:8], "big"), int.from_bytes(name[24:28], sys.byteorder)
     return sender_at((socket.inet_ntop(socket.AF_INET6, name[8:24]), port, flow, scope))

@@ -27,7 +27,7 @@ _CIRCLE_M, _HEIGHT_M, _FRAMES = 0.3, 0.6, 16
 def main() -> int:
     """Run the checks in order. Returns 1 at the first one that fails."""
     print(f"== {platform.machine()}, Python {platform.python_version()}")
-    for check in (install, copy_project, generate, lint, bridge, track, compile_cpp_handlers):
+    for check in (install, copy_project, generate, lint, compare_native_core, bridge, track, compile_cpp_handlers):
         if not _passes(check):
             return 1
     return 0
@@ -45,16 +45,16 @@ def _passes(check: Callable[[], None]) -> bool:
 
 
 def install() -> None:
-    """Build the wheels of roverlink and roverkit, and install them with their dependencies for aarch64."""
+    """Install the wheels of roverlink and roverkit from `make dist` with their dependencies for aarch64."""
     if not _ENVIRONMENT.exists():
         _run(sys.executable, "-m", "venv", _ENVIRONMENT)
     pip = (_ENVIRONMENT / "bin" / "python", "-m", "pip", "--quiet", "--disable-pip-version-check")
-    wheels = _SOURCES / "dist"
-    _run(*pip, "wheel", "--no-deps", "--wheel-dir", wheels, _SOURCES, _SOURCES / "rover")
-    (roverlink,), (roverkit,) = wheels.glob("roverlink-*.whl"), wheels.glob("roverkit-*.whl")
+    (roverlink,), (roverkit,) = (
+        _SOURCES.glob(f"dist/{name}") for name in ("roverlink-*_aarch64.whl", "roverkit-*.whl")
+    )
     # pip would keep an earlier build of the same version.
     _run(*pip, "-qq", "uninstall", "--yes", "roverlink", "roverkit")
-    _run(*pip, "install", f"{roverlink}[standard,record]", f"{roverkit}[vision]", "hypothesis")
+    _run(*pip, "install", f"{roverlink}[standard,record]", f"{roverkit}[vision]", "hypothesis", "pytest")
 
 
 def copy_project() -> None:
@@ -74,6 +74,13 @@ def generate() -> None:
 def lint() -> None:
     """Lint the table and the protos."""
     _roverlink("lint")
+
+
+def compare_native_core() -> None:
+    """Compare the native core of the wheel with the Python handlers, on random messages of all rows."""
+    python = _ENVIRONMENT / "bin" / "python"
+    _run(python, "-c", "from roverlink.runtime.native.core import LIBRARY, load_library; load_library(LIBRARY)")
+    assert _run(python, "tests/generator/crosscheck.py", capture=True, given=f"40 {_PROJECT}\n") == "0\n"
 
 
 def bridge() -> None:
@@ -103,11 +110,11 @@ def _roverlink(*arguments: str, capture: bool = False) -> str:
     return _run(_ENVIRONMENT / "bin" / "roverlink", *arguments, capture=capture)
 
 
-def _run(*command: str | os.PathLike[str], capture: bool = False) -> str:
-    """Run a command in the project's copy; return its output if ``capture`` is true."""
+def _run(*command: str | os.PathLike[str], capture: bool = False, given: str = "") -> str:
+    """Run a command with an input in the project's copy; return its output if ``capture`` is true."""
     folder = _PROJECT if _PROJECT.exists() else _SOURCES
     output = subprocess.PIPE if capture else None
-    return subprocess.run(command, cwd=folder, check=True, stdout=output, text=True).stdout
+    return subprocess.run(command, cwd=folder, check=True, input=given, stdout=output, text=True).stdout
 
 
 if __name__ == "__main__":

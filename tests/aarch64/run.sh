@@ -20,6 +20,10 @@ for tool in debootstrap qemu-aarch64-static; do
     exit 2
   fi
 done
+if ! ls dist/*_aarch64.whl >/dev/null; then
+  echo "make dist has made no wheel for aarch64 (see above)" >&2
+  exit 2
+fi
 # With a mount namespace of its own, this run leaves no mount behind, however it ends.
 if [ -z "${OWN_MOUNTS:-}" ]; then
   OWN_MOUNTS=yes exec unshare --mount --propagation private "$0"
@@ -44,7 +48,8 @@ fi
 
 rm -rf "$root/src"
 mkdir "$root/src"
-git ls-files -z --cached --others --exclude-standard | tar --create --null --files-from - | tar --extract --directory "$root/src"
+{ git ls-files -z --cached --others --exclude-standard; printf '%s\0' dist/*.whl; } |
+  tar --create --null --files-from - | tar --extract --directory "$root/src"
 # The network of this computer: its name servers, and the certificates that it trusts.
 cp /etc/resolv.conf "$root/etc/"
 cp /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/"

@@ -113,9 +113,11 @@ def main(folder: Path) -> int:
     with tempfile.TemporaryDirectory(prefix="roverlink-smoke-") as home:
         user = _User(Path(home))
         for kind in ("*.whl", "*.tar.gz"):
-            roverlink, *others = sorted(
-                folder.resolve().glob(kind), key=lambda path: (path.name[:9] != "roverlink", path)
-            )
+            # There may be a wheel of roverlink for another machine, too.
+            ours = [
+                path for path in folder.resolve().glob(kind) if path.stem.endswith((platform.machine(), "any", "tar"))
+            ]
+            roverlink, *others = sorted(ours, key=lambda path: (path.name[:9] != "roverlink", path))
             user.folder = Path(home, "rover of " + roverlink.name)
             user.folder.mkdir()
             start = time.monotonic()

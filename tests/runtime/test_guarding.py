@@ -17,7 +17,7 @@ from roverlink.runtime.bridge.bridge import Send
 from roverlink.runtime.bridge.handling_times import Handle
 from roverlink.runtime.core.handler import Deadman
 from roverlink.runtime.middleware.memory import MemoryMiddleware, MemorySubscription
-from roverlink.runtime.net import mmsg, udp
+from roverlink.runtime.net import udp
 
 _DRIVE = REGISTRY.by_name["drive_motor"]
 _STOP = envelope(drive_motor={"distance_to_go": 0.0})
@@ -196,10 +196,8 @@ def _receive(rig: Rig, source: str, *datagrams: bytes) -> None:
         rig.receive(*datagrams, via=sock)
 
 
-@pytest.mark.parametrize("kind", ["batch", "one by one"])
-def test_only_who_may_say_something_is_heard(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_who_may_say_something_is_heard() -> None:
     """A stranger is not, nor is a board that speaks for the basestation; both are counted, and handed on to nobody."""
-    monkeypatch.setattr(mmsg, "AVAILABLE", kind == "batch" and mmsg.AVAILABLE)
     with Rig(_SOURCES) as rig:
         for source, datagram, outcome in (
             ("127.0.0.2", _IMU, "imu_info"),

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
-from needs import NOT_LINUX
 
 from roverlink.runtime.core.errors import FailedThreadError
-from roverlink.runtime.net import mmsg, udp
+from roverlink.runtime.net import udp
 
 _SIZE = 100
 _BUFFER = 1024 * 1024
-
-Reader = Callable[[], "list[bytes]"]
 
 
 @pytest.fixture
@@ -34,29 +30,15 @@ def sender(listener: socket.socket) -> Iterator[socket.socket]:
         yield sock
 
 
-@pytest.fixture(params=["batch", "one by one"])
-def reader_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
-    """Reading with recvmmsg(2), and with what every system has."""
-    kind: str = request.param
-    if kind == "batch" and not mmsg.AVAILABLE:
-        pytest.skip(NOT_LINUX)  # which has recvmmsg
-    monkeypatch.setattr(mmsg, "AVAILABLE", kind == "batch")
-    return kind
-
-
-@pytest.fixture
-def read(reader_kind: str, listener: socket.socket) -> Reader:
-    """Reads from the listener, up to four datagrams of 100 bytes at a time."""
-    kind: Any = mmsg.BatchReader if reader_kind == "batch" else udp.OneByOneReader
-    reader: Reader = kind(listener, _SIZE, 4).read
-    return reader
-
-
 # --- readers ----------------------------------------------------------------------------------------------------
 
 
-def test_a_reader_takes_what_has_arrived_in_order(read: Reader, sender: socket.socket) -> None:
+def test_a_reader_takes_what_has_arrived_in_order(
+    listener: socket.socket, sender: socket.socket, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Oldest first, without waiting, no more than the limit at a time; an empty datagram is one, a long one is cut."""
+    monkeypatch.setattr(udp, "_SLOTS", 4)
+    read = udp.reader(listener, _SIZE)
     assert read() == []
     sent = [bytes([number]) * (number + 1) for number in range(6)]
     sent += [b"", b"a" * (_SIZE - 1), b"b" * _SIZE, b"c" * 5000, b"d"]
@@ -67,13 +49,12 @@ def test_a_reader_takes_what_has_arrived_in_order(read: Reader, sender: socket.s
     assert [datagram for batch in batches for datagram in batch] == [datagram[:_SIZE] for datagram in sent]
 
 
-def test_a_closed_socket_is_an_error(reader_kind: str, listener: socket.socket) -> None:
+def test_a_closed_socket_is_an_error(listener: socket.socket) -> None:
     """A reader does not take a socket that is gone for one that is silent."""
-    kind: Any = mmsg.BatchReader if reader_kind == "batch" else udp.OneByOneReader
-    reader = kind(listener, _SIZE, 4)
+    read = udp.reader(listener, _SIZE)
     listener.close()
     with pytest.raises(OSError, match="Bad file descriptor"):
-        reader.read()
+        read()
 
 
 # --- the receiver -----------------------------------------------------------------------------------------------
