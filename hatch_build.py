@@ -67,7 +67,8 @@ class NativeCore(BuildHookInterface):  # type: ignore[type-arg]  # hatchling's o
         # What the library needs of a C++ library is in it, so that it runs beside any.
         flags += ["-static-libstdc++", "-static-libgcc", "-Wl,--no-undefined"]
         linked = ["-o", str(made), *shlex.split(os.environ.get("LDFLAGS", ""))]
-        command = [*compiler, *flags, f"-I{native / 'include'}", *map(str, sorted(native.glob("src/*.cpp"))), *linked]
+        include = [f"-I{native / 'include'}", f"-I{Path(self.root, 'roverlink/cpp/c')}"]
+        command = [*compiler, *flags, *include, *map(str, sorted(native.glob("src/*.cpp"))), *linked]
         try:
             code = subprocess.run(command, check=False).returncode  # noqa: S603  # the compiler of who installs it
         except OSError as error:

@@ -7,6 +7,7 @@
 #include "ring.hpp"
 #include "sending.hpp"
 #include "shared_counts.hpp"
+#include "signing.hpp"
 #include "times.hpp"
 
 namespace roverlink {
@@ -92,13 +93,14 @@ class Server {
       server_.reading.bytes(sample, 0, size, message_.get());
       if (free_ < ROOM / 2 || n_datagrams_ == MOST)
         if (const int ended = send(index, topic)) return ended;
-      size_t written = free_ - HEADER;
+      uint8_t *const end = out_.get() + free_ - (topic.signer != nullptr ? SIGNATURE_ROOM : 0);
+      size_t written = static_cast<size_t>(end - out_.get()) - HEADER;
       if (rl_to_proto(server_.table, topic.translation, server_.workspace, message_.get(), size,
                       out_.get() + HEADER, &written) == RL_OK) {
-        uint8_t *const end = out_.get() + free_;
         uint8_t *begin = write_varint_before(end - written, written);
         begin = write_varint_before(begin, uint64_t{topic.number} << 3 | DELIMITED);
-        const auto made = static_cast<size_t>(end - begin);
+        auto made = static_cast<size_t>(end - begin);
+        if (topic.strips_zeros) made = without_zeros(begin, made);
         if (observe(index, topic, size, made)) {
           datagrams_[n_datagrams_++] = {begin, made, nullptr, 0};
           free_ = static_cast<size_t>(begin - out_.get());
@@ -133,7 +135,10 @@ class Server {
   int send(uint32_t index, rl_subscription &topic) {
     for (uint32_t done = 0; done < n_datagrams_;) {
       const int32_t socket = load(topic.native) ? load(*topic.socket) : -1;
-      const uint32_t sent = send_all(socket, topic.segments, datagrams_ + done, n_datagrams_ - done);
+      const uint32_t rest = n_datagrams_ - done;
+      const uint32_t sent = topic.signer != nullptr
+                                ? send_signed(socket, topic.segments, *topic.signer, datagrams_ + done, rest)
+                                : send_all(socket, topic.segments, datagrams_ + done, rest);
       if (sent != 0) store(topic.sent_at, monotonic_ns());
       add(topic.sent, sent);
       for (uint32_t one = done; (topic.observed & 2) != 0 && one < done + sent; ++one)

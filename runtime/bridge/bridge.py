@@ -304,7 +304,7 @@ class Bridge:
                 self._extra_topics.publishers,
                 outbound,
                 self._ends.destinations,
-                self._signed_peers.must_sign,
+                self._signed_peers,
                 [one for one in self._observers if isinstance(one, DatagramObserver)],
             )
         except (NoCoreError, AttributeError, OSError) as error:  # the middleware's library may be another version

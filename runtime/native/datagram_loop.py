@@ -9,11 +9,12 @@ from __future__ import annotations
 import ctypes
 import socket
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler
+from roverlink.runtime.core.signing import Stream
 from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore, NoCoreError
@@ -34,6 +35,12 @@ class InboundTopics:
     handler: AnyHandler
     publishers: Sequence[tuple[AnyHandler | AnyStandardHandler, Any]]
     """Handler and publisher of the row's own topic, then those of its extra topics."""
+    forward: int = 0
+    """Destinations to which the row's datagrams are forwarded: bit by index."""
+    longest: int = ANY_LENGTH
+    """Length in bytes of the longest datagram that all of them take."""
+    streams: Sequence[Stream] | None = None
+    """Keys that may sign the datagrams; None if they need no signature."""
 
 
 class NativeCounts(NamedTuple):
@@ -59,17 +66,19 @@ class DatagramLoop:
         self,
         core: NativeCore,
         rows: Sequence[InboundTopics],
-        destinations: Sequence[Destination],
+        destinations: Sequence[tuple[Destination, native.Signer | None]],
+        signature: int,
         at_once: Sequence[int],
         bounds: Sequence[float],
         observers: Sequence[Tap],
     ) -> None:
         """Prepare the loop; no row is native yet (see `rows`).
 
-        Datagrams with the payload numbers ``at_once`` are handed over before any later one is handled. ``bounds`` are
+        ``destinations`` come with the signers of what is forwarded there; ``signature`` is the number of the envelope's
+        field with a signature. Datagrams with the payload numbers ``at_once`` are handed over before any later one is handled. ``bounds`` are
         those of the histogram of handling times, in seconds. ``observers`` get a copy of each datagram.
         """
-        self._core, self._destinations = core, destinations
+        self._core, self._destinations = core, [destination for destination, _ in destinations]
         self.reasons: dict[str, str] = {}
         """Reason why Python translates the datagrams of a row, by the row's name."""
         able = [row for row in rows if self._is_able(row)]
@@ -81,7 +90,15 @@ class DatagramLoop:
         taps: dict[int, Sequence[Tap]] = {len(self._topics): observers}
         for row in able:
             number = row.handler.route.number
-            numbered[number] = native.Row(number=number, first_topic=first, topics=len(row.publishers))
+            numbered[number] = native.Row(
+                number=number,
+                first_topic=first,
+                topics=len(row.publishers),
+                forward=row.forward,
+                longest=row.longest,
+                is_signed=row.streams is not None,
+                signers=_bits(stream.id for stream in row.streams or ()),
+            )
             for index, (handler, publisher) in enumerate(row.publishers, first):
                 self._topic_structs[index].translation = core.index_of(handler)
                 taps[index] = publisher.lend_to(self._topic_structs[index], functions)
@@ -95,10 +112,15 @@ class DatagramLoop:
         """Struct of each row that the core can translate, by the row's name. Its ``native`` says whether it does."""
         self._destination_structs = (native.Destination * len(destinations))(
             *(
-                native.Destination(socket=ctypes.pointer(one.connected_socket), segments=can_segment())
-                for one in destinations
+                native.Destination(
+                    socket=ctypes.pointer(one.connected_socket),
+                    signer=None if signer is None else ctypes.pointer(signer),
+                    segments=can_segment(),
+                )
+                for one, signer in destinations
             )
         )
+        streams = {stream.id: stream for row in able for stream in row.streams or ()}
         self._bounds = (ctypes.c_double * len(bounds))(*bounds)
         self._python = PythonCalls()
         self._look: Callable[[], None] = lambda: None
@@ -110,6 +132,7 @@ class DatagramLoop:
             topics=self._topic_structs,
             rows=self._row_structs,
             destinations=self._destination_structs,
+            streams=(ctypes.POINTER(Stream) * len(streams))(*map(ctypes.pointer, streams.values())),
             middleware=functions,
             observers=ctypes.pointer(self._python.ring.struct) if self._python.ring is not None else None,
             observed=bool(observers),
@@ -118,6 +141,9 @@ class DatagramLoop:
             n_rows=len(self._row_structs),
             n_destinations=len(destinations),
             n_bounds=len(bounds),
+            n_streams=len(streams),
+            signature=signature,
+            is_ordered=bool(streams),
         )
         if core.library.rl_check_bridge(ctypes.byref(self._bridge)):
             raise NoCoreError("the native library refuses the bridge; report this as a bug of roverlink")
@@ -174,6 +200,10 @@ class DatagramLoop:
         self._bridge.checks_senders = with_sender is not None
         self.forget_senders()
 
+    def follow(self, *, forwards_all: bool) -> None:
+        """Forward all datagrams to all destinations as they are from now on, or those of each row to the row's."""
+        self._bridge.forwards_all = forwards_all
+
     def forget_senders(self) -> None:
         """Ask again which rows may come from which senders."""
         self._bridge.senders += 1
@@ -227,6 +257,13 @@ class DatagramLoop:
     def latencies(self) -> tuple[Sequence[int], float]:
         """Return the histogram of the handling times, and the sum of all times in seconds."""
         return self._bridge.latencies[: len(self._bounds) + 1], self._bridge.latency_sum
+
+
+def _bits(places: Iterable[int]) -> Any:
+    words = (ctypes.c_uint64 * 4)()
+    for place in places:
+        words[place // 64] |= 1 << place % 64
+    return words
 
 
 def _bytes(datagrams: Any, count: int) -> list[bytes]:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import dataclasses
 import logging
+import re
 import socket
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import datetime, timezone
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -19,10 +23,15 @@ from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos
 from roverlink.runtime.bridge.bridge import Send
 from roverlink.runtime.bridge.handling_times import Handle
+from roverlink.runtime.bridge.signed_peers import open_links
+from roverlink.runtime.core.envelope import restore
 from roverlink.runtime.core.handler import UNSTAMPED
+from roverlink.runtime.core.signing import TICKS_PER_SECOND, Key, Signer, SigningClock
 from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.middleware.tapping import TappedMiddleware
+from roverlink.runtime.keys.key_file import make_key_file
+from roverlink.runtime.keys.signed_links import SignedLinks
 from roverlink.runtime.ros_arguments import parameters
 
 pytestmark = needs_native
@@ -69,6 +78,45 @@ def _without_deadman(handler: Any) -> Any:
 # Without the stops that a bridge sends by itself, after some time.
 _QUIET = dataclasses.replace(REGISTRY, handlers=tuple(map(_without_deadman, REGISTRY.handlers)))
 _LEARN = {"host": "learn", "host_parameter": "hardware_host"}
+_NUMBER = 23
+_SIGNATURE = 3 + 15  # bytes of the field
+_LOGGER = logging.getLogger("native_way")
+
+
+def _registry(guarded: bool, signed: bool) -> Any:
+    peers = {peer.name: peer for peer in REGISTRY.peers}
+    for name, peer in peers.items():
+        peers[name] = peer = dataclasses.replace(peer, must_sign=signed, strip_trailing_zeros=signed or guarded)
+        if guarded:
+            learns = _LEARN if name == "hardware" else {}
+            peers[name] = dataclasses.replace(peer, sources=("127.0.0.0/8",), **learns)
+    return dataclasses.replace(_QUIET, peers=tuple(peers.values()), signature=_NUMBER if signed else None)
+
+
+def _signed(signers: Mapping[str, Signer]) -> Iterator[bytes]:
+    """The datagrams, signed by the peers of their rows, and what an attacker or a bad network makes of such."""
+    hardware, stranger = signers["hardware"], Signer(_NUMBER, Key(99, "x", bytes(32)), SigningClock())
+    for datagram in _DATAGRAMS:
+        name = None
+        with contextlib.suppress(Exception):  # it is no envelope
+            name = REGISTRY.envelope.FromString(datagram).WhichOneof("payload")
+        handler = REGISTRY.by_name.get(name or "")
+        yield (signers[handler.route.peer] if handler else hardware).sign(datagram)
+    one, early, late, other = (hardware.sign(pressure) for pressure in _PRESSURES[:4])
+    yield from (one, one, late, early, _PRESSURES[0], signers["basestation"].sign(_PRESSURES[0]))
+    yield from (stranger.sign(_PRESSURES[0]), other[:5] + bytes([other[5] ^ 1]) + other[6:], other[: -_SIGNATURE + 3])
+    yield from (other + b"\x08\x01", hardware.sign(other) + bytes(7), hardware.sign(_envelope(drive_motor={})))
+    yield next(one for one in map(hardware.sign, [_PRESSURES[0]] * 10_000) if one[-1] == 0).rstrip(b"\0")
+    yield from (hardware.sign(pressure + b"\xda\x07\x00") for pressure in _PRESSURES[:2])
+    ahead = Signer(_NUMBER, hardware.key, SigningClock(SigningClock().last + 120 * TICKS_PER_SECOND))
+    yield from (ahead.sign(pressure) for pressure in _PRESSURES[:3])
+    yield Signer(_NUMBER, hardware.key, SigningClock(2**47)).sign(_PRESSURES[0])
+    yield ahead.sign(_PRESSURES[0])
+
+
+def _bare(datagram: bytes) -> bytes:
+    """The envelope without what differs in each run: of a signature, the number of the key stays."""
+    return re.sub(rb"\xba\x01\x0f(.).{14}", rb"\1", restore(datagram), flags=re.DOTALL)
 
 
 class _Observer:
@@ -94,7 +142,7 @@ class _Observer:
 
 def _waiting(sock: socket.socket, count: int) -> list[bytes]:
     sock.settimeout(30)
-    return sorted(sock.recv(65_536) for _ in range(count))
+    return [sock.recv(65_536) for _ in range(count)]
 
 
 def _bridged(
@@ -103,6 +151,7 @@ def _bridged(
     policy: str,
     guarded: bool,
     observers: Sequence[_Observer],
+    folder: Path | None,
 ) -> Sequence[Any]:
     """What arrives on two topics and at both peers, and what is counted."""
     peers = {name: socket.socket(type=socket.SOCK_DGRAM) for name in ("hardware", "basestation")}
@@ -111,12 +160,19 @@ def _bridged(
         sock.bind(("127.0.0.1", 0))
     given = {ports[name]: sock.getsockname()[1] for name, sock in peers.items()}
     given |= {"listen_port": 0, "listen_address": "127.0.0.1", "native_core": native, "forward_policy": policy}
-    registry = _QUIET
+    registry = _registry(guarded, folder is not None)
     if guarded:
-        guards = [dataclasses.replace(peer, sources=("127.0.0.0/8",)) for peer in REGISTRY.peers]
-        guards = [dataclasses.replace(one, **(_LEARN if one.name == "hardware" else {})) for one in guards]
-        registry = dataclasses.replace(_QUIET, peers=tuple(guards))
         given["dst_b_port"] = 0
+    datagrams, keys, ends = _DATAGRAMS, None, {}
+    if folder is not None:
+        files = [folder / str(native) / f"{name}.keys" for name in peers]
+        files[0].parent.mkdir()
+        for file, name in zip(files, peers):
+            make_key_file(file, name, datetime.now(timezone.utc))
+        ends = {name: SignedLinks(_NUMBER, [file], _LOGGER, name) for file, name in zip(files, peers)}
+        keys = open_links(registry, files, _LOGGER)
+        signers = {name: links.signer(["ros"]) for name, links in ends.items()}
+        datagrams = [*_signed({name: signer for name, signer in signers.items() if signer})]
     settings = parameters.read(registry, given)
     arrived: dict[str, list[bytes]] = {"pressure_info": [], _EXTRA: []}
     types = {handler.route.topic: handler.message_type for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics)}
@@ -125,8 +181,7 @@ def _bridged(
         tapped = node
         for one in observers:
             tapped = TappedMiddleware(tapped, one)
-        logger = logging.getLogger("native_way")
-        bridge = Bridge(registry, settings, tapped, lambda topic: f"/{topic}", logger, observers)
+        bridge = Bridge(registry, settings, tapped, lambda topic: f"/{topic}", _LOGGER, observers, keys)
         with bridge:
             for topic, messages in arrived.items():
                 observer.subscribe(f"/{topic}", types[topic], Qos(depth=100), messages.extend)
@@ -135,7 +190,7 @@ def _bridged(
                 wait_until(lambda topic=topic: node.endpoints(f"/{topic}", publishing=False), topic)  # type: ignore[misc]
             wait_until(command.has_subscribers, "the bridge")
             board = peers["hardware"]
-            for count, datagram in enumerate(_DATAGRAMS, 1):
+            for count, datagram in enumerate(datagrams, 1):
                 board.sendto(datagram, ("127.0.0.1", bridge.port))
                 wait_until(lambda count=count: bridge.account.received >= count, f"{count} datagrams")  # type: ignore[misc]
             for _ in range(5):
@@ -143,30 +198,55 @@ def _bridged(
             wait_until(lambda: bridge.account.sent["arm_target"] == 5, "five commands")
             wait_until(lambda: len(arrived[_EXTRA]) >= len(_PRESSURES), "all pressures")
             counted = bridge.account.as_dict()
-            forwarded = {name: _waiting(peers[name], count) for name, count in bridge.account.forwarded.items()}
+            reasons = dict(bridge.account.dropped_of_row)
+            sent = {name: _waiting(peers[name], bridge.account.forwarded[name]) for name in peers}
+            sent |= {"commands": _waiting(board if guarded else peers["hardware"], 5)}
             bridge.stop()
             bridge.run()
     for sock in peers.values():
         sock.close()
     assert not bridge.account.discrepancies()
-    assert ("the native core handles" in bridge.way) == native
-    return counted, {topic: [message[-16:] for message in messages] for topic, messages in arrived.items()}, forwarded
+    assert ("the native core handles all" in bridge.way) == native
+    for name, links in ends.items():
+        for datagram in (
+            *(sent[name] if policy == "mapping" else ()),
+            *(sent["commands"] if name == "hardware" else ()),
+        ):
+            links.verifier.verify(datagram, {"ros"})
+    if ends:
+        sent = {name: [*map(_bare, datagrams)] for name, datagrams in sent.items()}
+    return counted, reasons, {topic: [one[-16:] for one in messages] for topic, messages in arrived.items()}, sent
 
 
 @pytest.mark.parametrize(
-    ("policy", "guarded", "observed"),
-    [("mapping", False, False), ("all", False, False), ("mapping", True, False), ("mapping", True, True)],
+    ("policy", "guarded", "observed", "signed"),
+    [
+        ("mapping", False, False, False),
+        ("all", False, False, False),
+        ("mapping", True, False, False),
+        ("mapping", True, True, False),
+        ("mapping", False, False, True),
+        ("all", False, False, True),
+        ("mapping", True, True, True),
+    ],
 )
-def test_both_ways_do_the_same(middleware: str, policy: str, guarded: bool, observed: bool) -> None:
+def test_both_ways_do_the_same(
+    middleware: str, policy: str, guarded: bool, observed: bool, signed: bool, tmp_path: Path
+) -> None:
     """Rows, extra topics, forwards and commands; datagrams that the core hands over; and what observers get.
 
-    With a guard, only this computer may send, and the address of the hardware is learned.
+    With a guard, only this computer may send, and the address of the hardware is learned. Signed datagrams, and those
+    behind a guard, have no zeros at their end.
     """
     observers = [[_Observer()] if observed else [] for _ in range(2)]
-    found = [_bridged(middleware, native, policy, guarded, given) for native, given in zip((False, True), observers)]
+    folder = tmp_path if signed else None
+    found = [_bridged(middleware, way, policy, guarded, given, folder) for way, given in zip((False, True), observers)]
     if observed:
-        assert observers[0][0].seen == observers[1][0].seen
+        seen = [dict(one.seen) for (one,) in observers]
+        if signed:  # signatures are of the moment
+            seen = [one | {"received": [*map(_bare, one["received"])]} for one in seen]
+        assert seen[0] == seen[1]
         assert len(observers[0][0].seen) > len(_INBOUND)
-    for counted, _, _ in found:
+    for counted, *_ in found:
         del counted["qos_mismatches"]  # of the moment
     assert found[0] == found[1]

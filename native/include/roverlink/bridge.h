@@ -14,6 +14,7 @@
 #include <sys/uio.h>
 
 #include "roverlink/native.h"
+#include "roverlink_signing.h" /* of cpp/c: what boards use */
 
 #ifdef __cplusplus
 extern "C" {
@@ -42,6 +43,36 @@ typedef struct rl_ring {
 
 /* Copy all records to `out`, which has the room of the ring, and remove them. Returns the number of bytes. */
 RL_API size_t rl_take_records(rl_ring *, uint8_t *out);
+
+/* Mutex between threads of Python and of the core. Nobody who holds it waits for Python's interpreter lock. */
+typedef struct rl_lock rl_lock;
+
+RL_API rl_lock *rl_lock_new(void); /* null if memory is short; it is never freed */
+RL_API void rl_lock_take(rl_lock *);
+RL_API void rl_lock_leave(rl_lock *);
+
+/* Clock of the timestamps of a link: SigningClock in runtime/core/signing.py. Used under the lock. */
+typedef struct rl_clock {
+  roverlink_clock now;
+  rl_lock *lock;
+} rl_clock;
+
+/* Key of a peer, with what was accepted: Stream in runtime/core/signing.py. Python judges what the core does not accept,
+ * and changes the members meanwhile, which is safe because it does so on the thread of `rl_receive`. */
+typedef struct rl_stream {
+  roverlink_key key;
+  uint64_t plausible; /* Python looks at later timestamps */
+  rl_clock *clock;
+} rl_stream;
+
+/* Key with which the bridge signs. The lock is held while datagrams are signed and sent, so that their order stays. */
+typedef struct rl_signer {
+  roverlink_key key;
+  rl_clock *clock;
+  rl_lock *lock;
+  uint32_t number;       /* of the envelope's field */
+  uint32_t strips_zeros; /* 1 if the peer gets its datagrams without the zeros at their end */
+} rl_signer;
 
 /* Serialized message of rcl: rcutils_uint8_array_t, whose allocator is not used for publishing. */
 typedef struct rl_rcl_message {
@@ -77,14 +108,18 @@ typedef struct rl_row {
   uint32_t at_once;       /* the row's datagrams are handed over before any later one is handled */
   uint32_t first_topic;   /* the row's own topic; behind it are the extra topics */
   uint32_t topics;
-  uint32_t longest;       /* P: longer datagrams are handed over */
-  uint64_t forward;       /* P: bit by destination */
+  uint32_t longest;       /* longer datagrams are handed over, unless all are forwarded as they are */
+  uint32_t is_signed;     /* 1 if the datagrams have to be signed */
+  uint32_t unused;
+  uint64_t signers[4];    /* bit by the id of each key that may sign them */
+  uint64_t forward;       /* bit by destination */
   uint64_t handled;       /* N: datagrams */
 } rl_row;
 
 /* End of the link to which datagrams are forwarded. */
 typedef struct rl_destination {
   const int32_t *socket;  /* P: connected; -1 if Python has to send */
+  const rl_signer *signer; /* null if nothing is signed */
   uint64_t forwarded;     /* N */
   uint32_t segments;      /* 1 if the kernel has UDP_SEGMENT */
   uint32_t unused;
@@ -106,6 +141,7 @@ typedef struct rl_bridge {
   rl_topic *topics;
   rl_row *rows;
   rl_destination *destinations;
+  rl_stream *const *streams;
   rl_middleware middleware;
   rl_calls calls;
   rl_ring *observers;          /* null without observers */
@@ -113,13 +149,15 @@ typedef struct rl_bridge {
   uint64_t latencies[RL_BUCKETS]; /* N: datagrams by the time that their burst needed */
   double latency_sum;          /* N: seconds */
   uint64_t received;           /* N: datagrams that were not handed over */
-  uint32_t n_topics, n_rows, n_destinations, n_bounds;
+  uint32_t n_topics, n_rows, n_destinations, n_bounds, n_streams;
+  uint32_t signature;          /* number of the envelope's field with the signature */
   int32_t socket, wake;        /* file descriptors */
   uint32_t largest;            /* longest datagram that is read; longer ones are cut */
   uint32_t observed;           /* 1 if observers get the datagrams, on the channel behind those of the topics */
   uint32_t checks_senders;     /* P: 1 if a row's datagrams need an admitted sender */
   uint32_t senders;            /* P: changes if what was admitted holds no longer */
-  uint32_t unused;
+  uint32_t forwards_all;       /* P: 1 if all destinations get all datagrams as they are */
+  uint32_t is_ordered;         /* 1 if no datagram may be handled before an earlier one that is handed over */
   uint32_t stopping;           /* P: 1 makes `rl_receive` return, also if datagrams arrive all the time */
 } rl_bridge;
 
@@ -155,9 +193,12 @@ typedef struct rl_subscription {
   int32_t reader;          /* of Cyclone DDS */
   uint32_t native;         /* P: 0 hands the messages over, and also datagrams that are not sent yet */
   const int32_t *socket;   /* P: see rl_destination */
+  const rl_signer *signer; /* null if nothing is signed */
   uint32_t segments;
   uint32_t observed;       /* bits: 1 if observers get the messages, on channel 2 * index; 2 if they get the datagrams, on
                               the next channel */
+  uint32_t strips_zeros;   /* 1 if the peer gets its datagrams without the zeros at their end */
+  uint32_t unused;
   uint64_t taken, sent;    /* N */
   int64_t sent_at;         /* N: time of the last datagram, in nanoseconds of the monotonic clock */
 } rl_subscription;
