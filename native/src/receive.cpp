@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "frame.hpp"
 #include "memory.hpp"
@@ -29,6 +30,7 @@ struct Sender {
   uint8_t address[28];      // struct sockaddr_in or sockaddr_in6
   uint32_t size;            // bytes of the address; 0 for none
   uint64_t rows[ADMITTED];  // bit by index of the row
+  rl_bucket *bucket;
 };
 
 struct Reading {
@@ -209,7 +211,8 @@ class Loop {
   // has to be handed over.
   bool publish(const rl_row &row, const rl_datagram &datagram, const Burst &burst) {
     if (!load(row.native) || (envelope_size_ > row.longest && !load(bridge_.forwards_all))) return false;
-    if (load(bridge_.checks_senders) && !is_admitted(row, datagram)) return false;
+    bucket_ = nullptr;
+    if (load(bridge_.checks_senders) && !is_admitted(row, datagram, burst)) return false;
     rl_stream *const stream = row.is_signed ? stream_of(row) : nullptr;
     if (row.is_signed && stream == nullptr) return false;
     // The messages of a topic keep their order.
@@ -236,6 +239,7 @@ class Loop {
     }
     if (observed != 0 && !has_room(*bridge_.observers, observed)) return false;
     if (stream != nullptr) accept(*stream);
+    if (bucket_ != nullptr) bucket_->allowance -= 1;
     const int64_t now = observed != 0 ? monotonic_ns() : 0;
     if (bridge_.observed) put(*bridge_.observers, bridge_.n_topics, now, datagram.data, datagram.size);
     used = 0;
@@ -256,10 +260,20 @@ class Loop {
   }
 
   // Python has decided once that the row may come from the sender, and learns nothing from another datagram.
-  bool is_admitted(const rl_row &row, const rl_datagram &datagram) {
+  bool is_admitted(const rl_row &row, const rl_datagram &datagram, const Burst &burst) {
+    bucket_ = bucket_of(row, datagram);
+    if (bucket_ == nullptr || bucket_->rate == HUGE_VAL) return bucket_ != nullptr;
+    // Python may have taken a token after the burst began.
+    const double now = std::max(bucket_->at, static_cast<double>(burst.began) * 1e-9);
+    bucket_->allowance = std::min(bucket_->burst, bucket_->allowance + (now - bucket_->at) * bucket_->rate);
+    bucket_->at = now;
+    return bucket_->allowance >= 1;
+  }
+
+  rl_bucket *bucket_of(const rl_row &row, const rl_datagram &datagram) {
     const auto index = static_cast<uint32_t>(&row - bridge_.rows);
-    if (datagram.sender == nullptr || datagram.sender_size > sizeof(Sender::address)) return false;
-    if (index >= ADMITTED * 64) return false;
+    if (datagram.sender == nullptr || datagram.sender_size > sizeof(Sender::address)) return nullptr;
+    if (index >= ADMITTED * 64) return nullptr;
     if (const uint32_t now = load(bridge_.senders); now != senders_as_of_) {
       std::fill(senders_, senders_ + SENDERS, Sender{});
       senders_as_of_ = now;
@@ -268,15 +282,16 @@ class Loop {
     const bool is_known = sender.size == datagram.sender_size &&
                           std::memcmp(sender.address, datagram.sender, datagram.sender_size) == 0;
     const uint64_t bit = uint64_t{1} << index % 64;
-    if (is_known && (sender.rows[index / 64] & bit) != 0) return true;
-    if (bridge_.calls.admit(index, &datagram) != 1) return false;
+    if (is_known && (sender.rows[index / 64] & bit) != 0) return sender.bucket;
+    rl_bucket *const bucket = bridge_.calls.admit(index, &datagram);
+    if (bucket == nullptr) return nullptr;
     if (!is_known) {
       sender = {};
       sender.size = static_cast<uint32_t>(datagram.sender_size);
       std::memcpy(sender.address, datagram.sender, datagram.sender_size);
     }
     sender.rows[index / 64] |= bit;
-    return true;
+    return sender.bucket = bucket;
   }
 
   static size_t place_of(const rl_datagram &datagram) {
@@ -399,6 +414,7 @@ class Loop {
   uint32_t n_touched_ = 0;
   uint32_t unpublished_[WRITES] = {};
   uint32_t n_unpublished_ = 0;
+  rl_bucket *bucket_ = nullptr;  // of the sender of the datagram
   Sender senders_[SENDERS] = {};
   uint32_t senders_as_of_ = 0;
   uint64_t handled_ = 0;

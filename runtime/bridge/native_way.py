@@ -82,7 +82,10 @@ class NativeWay:
             (destination, keys.signer(signed.signer(*end), strips[end.peer]))
             for end, destination in destinations.items()
         ]
-        self.loop = DatagramLoop(core, rows, forwarding, registry.signature or 0, links, BOUNDS_S, received)
+        # The timestamps of a key rise, and the tokens of a sender go to the first.
+        is_ordered = bool(signed.must_sign) or any(peer.source_rate for peer in registry.peers)
+        number = registry.signature or 0
+        self.loop = DatagramLoop(core, rows, forwarding, number, is_ordered, links, BOUNDS_S, received)
         self.reasons = self.loop.reasons
         """Reason why Python handles the messages of a row, by the row's name."""
         self._outbound: list[tuple[Route, EndName, native.Subscription]] = []

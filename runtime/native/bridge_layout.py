@@ -103,7 +103,7 @@ class Destination(ctypes.Structure):
 
 Handle = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(Datagram), ctypes.c_uint32)
 NotPublished = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32)
-Admit = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram))
+Admit = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint32, ctypes.POINTER(Datagram))
 Send = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram), ctypes.c_uint32)
 
 

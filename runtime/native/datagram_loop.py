@@ -23,6 +23,7 @@ from roverlink.runtime.native.observer_ring import ObserverRing
 from roverlink.runtime.native.python_calls import PythonCalls
 from roverlink.runtime.net.destination import Destination, can_segment
 from roverlink.runtime.net.hosts import Sender, sender_of
+from roverlink.runtime.net.sources import Source
 
 ANY_LENGTH = 0xFFFFFFFF
 """Length of the longest datagram of a row whose datagrams may have any length."""
@@ -68,6 +69,7 @@ class DatagramLoop:
         rows: Sequence[InboundTopics],
         destinations: Sequence[tuple[Destination, native.Signer | None]],
         signature: int,
+        is_ordered: bool,
         at_once: Sequence[int],
         bounds: Sequence[float],
         observers: Sequence[Tap],
@@ -75,7 +77,8 @@ class DatagramLoop:
         """Prepare the loop; no row is native yet (see `rows`).
 
         ``destinations`` come with the signers of what is forwarded there; ``signature`` is the number of the envelope's
-        field with a signature. Datagrams with the payload numbers ``at_once`` are handed over before any later one is handled. ``bounds`` are
+        field with a signature. With ``is_ordered``, no datagram is handled before an earlier one that is handed over.
+        Datagrams with the payload numbers ``at_once`` are handed over before any later one is handled. ``bounds`` are
         those of the histogram of handling times, in seconds. ``observers`` get a copy of each datagram.
         """
         self._core, self._destinations = core, [destination for destination, _ in destinations]
@@ -143,7 +146,7 @@ class DatagramLoop:
             n_bounds=len(bounds),
             n_streams=len(streams),
             signature=signature,
-            is_ordered=bool(streams),
+            is_ordered=is_ordered,
         )
         if core.library.rl_check_bridge(ctypes.byref(self._bridge)):
             raise NoCoreError("the native library refuses the bridge; report this as a bug of roverlink")
@@ -167,14 +170,14 @@ class DatagramLoop:
         largest: int,
         not_published: Callable[[AnyHandler | AnyStandardHandler], None],
         send: Callable[[Destination, list[bytes]], None],
-        admit: Callable[[str, Sender], bool],
+        admit: Callable[[str, Sender], Source | None],
         look: Callable[[], None],
     ) -> None:
         """Read from ``sock``, at most ``largest`` bytes of a datagram; data on ``wake`` ends the wait for datagrams.
 
         ``not_published`` gets the handler of a message that the middleware has not accepted. ``send`` gets the
-        datagrams that the core cannot send. If senders are checked, ``admit`` returns true for a row and a sender whose
-        datagrams Python need not see until `forget_senders` is called. ``look`` is called once in two seconds while
+        datagrams that the core cannot send. If senders are checked, ``admit`` returns the sender if Python
+        need not see its datagrams of a row until `forget_senders` is called, as long as it keeps its rate. ``look`` is called once in two seconds while
         datagrams arrive.
         """
         self._look = look
@@ -187,7 +190,7 @@ class DatagramLoop:
             native.Handle(lambda datagrams, count: guarded(self._hand_over, datagrams, count)),
             native.NotPublished(lambda topic: guarded(not_published, topics[topic])),
             native.Send(lambda index, datagrams, count: guarded(send, destinations[index], _bytes(datagrams, count))),
-            native.Admit(lambda index, datagram: admit(rows[index], _sender(datagram[0]))),
+            native.Admit(lambda index, datagram: _address(admit(rows[index], _sender(datagram[0])))),
         )
         self._bridge.socket, self._bridge.wake, self._bridge.largest = sock.fileno(), wake.fileno(), largest
 
@@ -268,6 +271,10 @@ def _bits(places: Iterable[int]) -> Any:
 
 def _bytes(datagrams: Any, count: int) -> list[bytes]:
     return [native.bytes_of(datagrams[index]) for index in range(count)]
+
+
+def _address(struct: Source | None) -> int | None:
+    return None if struct is None else ctypes.addressof(struct)
 
 
 def _sender(datagram: native.Datagram) -> Sender:

@@ -125,14 +125,22 @@ typedef struct rl_destination {
   uint32_t unused;
 } rl_destination;
 
+/* Limit of a sender's rate: Source in runtime/net/sources.py, which takes tokens on the thread of `rl_receive`, too. */
+typedef struct rl_bucket {
+  double rate;              /* tokens a second; infinity for no limit */
+  double burst, allowance;  /* tokens, one for each datagram */
+  double at;                /* time of the last change, in seconds of the monotonic clock */
+} rl_bucket;
+
 /* Calls of Python. All but the first get the index of a topic or a destination. Each but the last returns 0; any other
  * number ends `rl_receive`. */
 typedef struct rl_calls {
   int (*handle)(const rl_datagram *, uint32_t count); /* without datagrams: once in two seconds while some arrive */
   int (*not_published)(uint32_t topic);
   int (*send)(uint32_t destination, const rl_datagram *, uint32_t count);
-  /* 1 if Python need not see the datagrams of a row from a sender, until `senders` changes; 0 to hand one over */
-  int (*admit)(uint32_t row, const rl_datagram *);
+  /* the bucket of a sender if Python need not see its datagrams of a row as long as it has tokens, until `senders`
+   * changes; null to hand one over */
+  rl_bucket *(*admit)(uint32_t row, const rl_datagram *);
 } rl_calls;
 
 typedef struct rl_bridge {
