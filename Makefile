@@ -64,8 +64,8 @@ fuzz: $(VENV)/ready-fuzz  ## every parser of bytes from outside, a minute each
 	for target in datagram trailing-zeros sample message native-payload native-message; do \
 		$(BIN)/python tests/fuzz $$target -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
-fuzz-native: $(VENV)/ready-dev  ## both directions of the native core, each with two tables for a minute, with sanitizers; needs clang
-	for door in to_cdr to_proto; do \
+fuzz-native: $(VENV)/ready-dev  ## both directions of the native core and its reception, each with two tables for a minute, with sanitizers; needs clang
+	for door in to_cdr to_proto receive; do \
 		$(BIN)/python tests/fuzz/native_core.py $$door -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
 lint: $(VENV)/ready-full  ## ruff, black, mypy --strict, whether generated/ is what mapping.yaml says, and the numbers

@@ -25,6 +25,8 @@ FLAGS = (
     "-ffp-contract=off "  # Python rounds after each operation
     "-Wall -Wextra -Wconversion -Wpedantic"
 )
+INCLUDES = ("native/include", "roverlink/cpp/c")
+"""Folders with headers. The second one has the C code of boards, by which the library signs, too."""
 _OLDEST_GLIBC = 17
 """Minor version of the oldest glibc 2 for which wheels have a tag of this form (PEP 600)."""
 
@@ -67,7 +69,7 @@ class NativeCore(BuildHookInterface):  # type: ignore[type-arg]  # hatchling's o
         # What the library needs of a C++ library is in it, so that it runs beside any.
         flags += ["-static-libstdc++", "-static-libgcc", "-Wl,--no-undefined"]
         linked = ["-o", str(made), *shlex.split(os.environ.get("LDFLAGS", ""))]
-        include = [f"-I{native / 'include'}", f"-I{Path(self.root, 'roverlink/cpp/c')}"]
+        include = [f"-I{Path(self.root, folder)}" for folder in INCLUDES]
         command = [*compiler, *flags, *include, *map(str, sorted(native.glob("src/*.cpp"))), *linked]
         try:
             code = subprocess.run(command, check=False).returncode  # noqa: S603  # the compiler of who installs it

@@ -7,6 +7,7 @@
 
 #include "frame.hpp"
 #include "memory.hpp"
+#include "pacing.hpp"
 #include "roverlink/bridge.h"
 #include "ring.hpp"
 #include "sending.hpp"
@@ -152,7 +153,7 @@ class Loop {
       ++handled_;
     }
     if (const int ended = settle(burst)) return ended;
-    if (const int ended = tell_unpublished()) return ended;
+    if (const int ended = tell()) return ended;
     if (began < next_tick_) return 0;
     next_tick_ = began + LOOK_NS;
     return bridge_.calls.handle(nullptr, 0);
@@ -232,6 +233,7 @@ class Loop {
                     static_cast<int32_t>(burst.arrived.tv_sec), static_cast<uint32_t>(burst.arrived.tv_nsec),
                     messages_.get() + used, &size) != RL_OK)
         return false;
+      if (topic.pacer != nullptr && size > topic.pacer->room) return false;
       sizes_[index] = size;
       used += (size + 7) & ~size_t{7};
       if (is_wanted) to_write |= uint64_t{1} << index;
@@ -248,7 +250,11 @@ class Loop {
       if (size == 0) continue;
       rl_topic &topic = bridge_.topics[row.first_topic + index];
       uint8_t *const message = messages_.get() + used;
-      if ((to_write >> index & 1) == 0 || write(topic, message, size)) {
+      const Turn turn = topic.pacer == nullptr ? Turn::PASSES : offer(*topic.pacer, message, size);
+      if (turn == Turn::WAITS) waiting_[n_waiting_++] = row.first_topic + index;
+      if (turn != Turn::PASSES) {
+        // Python publishes it, or a newer one.
+      } else if ((to_write >> index & 1) == 0 || write(topic, message, size)) {
         add(topic.published, 1);
         if (topic.observed) put(*bridge_.observers, row.first_topic + index, now, message, size);
       } else {
@@ -343,10 +349,13 @@ class Loop {
     unpublished_[n_unpublished_++] = topic;
   }
 
-  int tell_unpublished() {
+  int tell() {
     for (uint32_t index = 0; index < n_unpublished_; ++index)
       if (const int ended = bridge_.calls.not_published(unpublished_[index])) return ended;
     n_unpublished_ = 0;
+    for (uint32_t index = 0; index < n_waiting_; ++index)
+      if (const int ended = bridge_.calls.wait(waiting_[index])) return ended;
+    n_waiting_ = 0;
     return 0;
   }
 
@@ -414,6 +423,8 @@ class Loop {
   uint32_t n_touched_ = 0;
   uint32_t unpublished_[WRITES] = {};
   uint32_t n_unpublished_ = 0;
+  uint32_t waiting_[RL_BURST] = {};  // of a row, only its own topic has a pacer
+  uint32_t n_waiting_ = 0;
   rl_bucket *bucket_ = nullptr;  // of the sender of the datagram
   Sender senders_[SENDERS] = {};
   uint32_t senders_as_of_ = 0;

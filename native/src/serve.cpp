@@ -3,6 +3,7 @@
 
 #include "frame.hpp"
 #include "memory.hpp"
+#include "pacing.hpp"
 #include "roverlink/bridge.h"
 #include "ring.hpp"
 #include "sending.hpp"
@@ -76,10 +77,12 @@ class Server {
     void *samples[MOST] = {};
     rl_sample_info infos[MOST];
     const int32_t count = server_.reading.take(topic->reader, samples, most, infos, EVERYTHING);
+    int32_t newest = count - 1;
+    while (newest > 0 && !infos[newest].valid_data) --newest;
     int ended = 0;
     for (int32_t one = 0; one < count; ++one) {
       // A sample without valid data says that an instance was disposed; ROS topics have no instances.
-      if (ended == 0 && infos[one].valid_data) ended = handle(index, *topic, samples[one]);
+      if (ended == 0 && infos[one].valid_data) ended = handle(index, *topic, samples[one], one == newest);
       server_.reading.unref(samples[one]);
     }
     // Python reads again, and raises the error.
@@ -87,7 +90,7 @@ class Server {
     return ended != 0 ? ended : send(index, *topic);
   }
 
-  int handle(uint32_t index, rl_subscription &topic, const void *sample) {
+  int handle(uint32_t index, rl_subscription &topic, const void *sample, bool is_newest) {
     const size_t size = server_.reading.size(sample);
     if (size <= ROOM) {
       server_.reading.bytes(sample, 0, size, message_.get());
@@ -101,10 +104,17 @@ class Server {
         begin = write_varint_before(begin, uint64_t{topic.number} << 3 | DELIMITED);
         auto made = static_cast<size_t>(end - begin);
         if (topic.strips_zeros) made = without_zeros(begin, made);
-        if (observe(index, topic, size, made)) {
+        const bool is_paced = topic.pacer != nullptr;
+        if ((!is_paced || size <= topic.pacer->room) && observe(index, topic, size, made)) {
+          add(topic.taken, 1);
+          if (is_paced && !is_newest) {
+            add(topic.pacer->superseded, 1);
+            return 0;
+          }
+          const Turn turn = is_paced ? offer(*topic.pacer, message_.get(), size) : Turn::PASSES;
+          if (turn != Turn::PASSES) return turn == Turn::WAITS ? server_.calls.wait(index) : 0;
           datagrams_[n_datagrams_++] = {begin, made, nullptr, 0};
           free_ = static_cast<size_t>(begin - out_.get());
-          add(topic.taken, 1);
           return 0;
         }
       }

@@ -1,4 +1,4 @@
-// Locks for signing, and the C code of boards, of which the library has a copy of its own.
+// Locks, and the C code of boards, of which the library has a copy of its own.
 #include "signing.hpp"
 
 #include <cstdlib>
@@ -14,6 +14,8 @@ rl_lock *rl_lock_new(void) {
 }
 
 void rl_lock_take(rl_lock *lock) { pthread_mutex_lock(&lock->mutex); }
+
+int rl_lock_try(rl_lock *lock) { return pthread_mutex_trylock(&lock->mutex) == 0; }
 
 void rl_lock_leave(rl_lock *lock) { pthread_mutex_unlock(&lock->mutex); }
 

@@ -1,17 +1,12 @@
 // Signatures of datagrams, with the clock of a link that Python uses, too. The cryptography is that of boards, in cpp/c.
 #pragma once
 
-#include <pthread.h>
-
 #include <algorithm>
 
+#include "lock.hpp"
 #include "roverlink/bridge.h"
 #include "sending.hpp"
 #include "times.hpp"
-
-struct rl_lock {
-  pthread_mutex_t mutex;
-};
 
 namespace roverlink {
 
@@ -19,17 +14,6 @@ constexpr uint8_t SIGNATURE = 15;  // bytes: key, timestamp and MAC
 constexpr size_t SIGNATURE_ROOM = ROVERLINK_SIGNED_ANY;
 constexpr int64_t TICK_NS = 1'000'000'000 / ROVERLINK_TICKS_PER_SECOND;
 constexpr int64_t EPOCH_NS = 1'420'070'400'000'000'000;  // 2015-01-01 UTC
-
-class Locked {
- public:
-  explicit Locked(rl_lock &lock) : mutex_(lock.mutex) { pthread_mutex_lock(&mutex_); }
-  ~Locked() { pthread_mutex_unlock(&mutex_); }
-  Locked(const Locked &) = delete;
-  Locked &operator=(const Locked &) = delete;
-
- private:
-  pthread_mutex_t &mutex_;
-};
 
 // As SigningClock.next: the computer's clock, which never goes back.
 inline uint64_t next_timestamp(rl_clock &clock) {

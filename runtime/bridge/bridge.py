@@ -300,7 +300,7 @@ class Bridge:
             way = NativeWay(
                 self._registry,
                 open_core(self._registry),
-                lambda row: self._inbound_rows[row].publisher,
+                self._inbound_rows,
                 self._extra_topics.publishers,
                 outbound,
                 self._ends.destinations,
@@ -316,6 +316,7 @@ class Bridge:
             wake,
             self._parameters.max_datagram + 1,
             self._not_accepted,
+            lambda row: self._inbound_rows[row].wake(),
             lambda destination, datagrams: self._forwarding.hand_on(datagrams, destination),
             self._settled,
             lambda: self._counters.count_received(0),

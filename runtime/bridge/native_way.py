@@ -17,6 +17,8 @@ from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.handling_times import BOUNDS_S, Latencies
 from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.to_peer import OutboundRow
+from roverlink.runtime.bridge.to_topic import InboundRow
+from roverlink.runtime.core.errors import Reason
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, EndName, Registry
 from roverlink.runtime.core.tap import Tap
@@ -26,6 +28,7 @@ from roverlink.runtime.native.core import NativeCore
 from roverlink.runtime.native.datagram_loop import ANY_LENGTH, DatagramLoop, InboundTopics
 from roverlink.runtime.native.lending import LentTopic, NativeSubscription
 from roverlink.runtime.native.shared_keys import SharedKeys
+from roverlink.runtime.native.shared_lock import SharedLock
 from roverlink.runtime.net.destination import Destination, can_segment
 
 
@@ -46,7 +49,7 @@ class NativeWay:
         self,
         registry: Registry,
         core: NativeCore,
-        publisher_of: Callable[[str], Publisher],
+        inbound: Mapping[str, InboundRow],
         extra_topics: Mapping[AnyStandardHandler, Publisher],
         outbound: Iterable[tuple[AnyHandler | AnyStandardHandler, OutboundRow, Subscription]],
         destinations: Mapping[EndName, Destination],
@@ -55,10 +58,11 @@ class NativeWay:
     ) -> None:
         """Prepare the way, which no row takes yet.
 
-        ``publisher_of`` returns the publisher of a row by the row's name. ``outbound`` are the topics whose messages go
+        ``inbound`` are the rows whose datagrams go to topics, by name. ``outbound`` are the topics whose messages go
         to peers. ``signed`` has the keys of the peers that must sign. ``observers`` get a copy of each datagram.
         """
         self._ends = [*destinations]
+        self._inbound = inbound.values()
         self._refused: frozenset[str] = frozenset()
         self._unforwarded: frozenset[str] = frozenset()
         self._to_all = False
@@ -68,9 +72,10 @@ class NativeWay:
         rows = [
             InboundTopics(
                 handler,
-                [(handler, publisher_of(handler.route.name)), *_of_row(handler, extra_topics)],
+                [(handler, inbound[handler.route.name].publisher), *_of_row(handler, extra_topics)],
                 sum(1 << index for index, end in enumerate(self._ends) if end.peer in handler.route.forward),
                 min((limits[peer] for peer in handler.route.forward if peer in limits), default=ANY_LENGTH),
+                _shared_pacer(inbound[handler.route.name], core),
                 [*map(keys.stream, signed.streams(handler.route))] if handler.route.peer in signed.must_sign else None,
             )
             for handler in registry.handlers
@@ -88,7 +93,7 @@ class NativeWay:
         self.loop = DatagramLoop(core, rows, forwarding, number, is_ordered, links, BOUNDS_S, received)
         self.reasons = self.loop.reasons
         """Reason why Python handles the messages of a row, by the row's name."""
-        self._outbound: list[tuple[Route, EndName, native.Subscription]] = []
+        self._outbound: list[tuple[OutboundRow, Route, EndName, native.Subscription]] = []
         for handler, row, subscription in outbound:
             route, end = handler.route, registry.end_of(handler.route)
             if reason := self._why_not(handler, subscription, core):
@@ -102,19 +107,20 @@ class NativeWay:
                 socket=ctypes.pointer(destinations[end].connected_socket),
                 signer=None if signer is None else ctypes.pointer(signer),
                 segments=can_segment(),
+                pacer=_shared_pacer(row, core),
                 strips_zeros=strips[route.peer],
             )
-            self._outbound.append((route, end, struct))
+            self._outbound.append((row, route, end, struct))
             row.follow(partial(_sent_at, struct))
-            subscription.lend_to(core, LentTopic(struct, row.send_again, (), [one.sent[end.peer] for one in observers]))
+            subscription.lend_to(
+                core, LentTopic(struct, row.send_again, row.wake, (), [one.sent[end.peer] for one in observers])
+            )
 
     @staticmethod
     def _why_not(handler: AnyHandler | AnyStandardHandler, subscription: Subscription, core: NativeCore) -> str:
         """Return the reason why Python handles the messages of an outbound row; empty if the core can."""
         if reason := core.reason(handler):
             return reason
-        if handler.route.max_rate is not None:
-            return "max_rate"
         return "" if isinstance(subscription, NativeSubscription) else "the middleware takes them in Python"
 
     def refuse(self, rows: frozenset[str], forwards: Mapping[EndName, frozenset[str]]) -> None:
@@ -132,12 +138,12 @@ class NativeWay:
         kept = self._refused if self._to_all else self._refused | self._unforwarded
         for name, row in self.loop.rows.items():
             row.native = name not in kept
-        for route, _, subscription in self._outbound:
+        for _, route, _, subscription in self._outbound:
             subscription.native = route.name not in self._refused
 
     def summary(self) -> str:
         """Return a text about the rows that the core handles, and why it does not handle the others."""
-        rows = len({*self.loop.rows, *(route.name for route, _, _ in self._outbound), *self.reasons})
+        rows = len({*self.loop.rows, *(route.name for _, route, _, _ in self._outbound), *self.reasons})
         if not self.reasons:
             return f"the native core handles all {rows} messages"
         by_reason: dict[str, list[str]] = {}
@@ -155,7 +161,7 @@ class NativeWay:
 
     def end(self) -> None:
         """Let no row take the native way any more. Call it before the stops are sent, which nothing may follow."""
-        for _, _, subscription in self._outbound:
+        for _, _, _, subscription in self._outbound:
             subscription.native = False
 
     def added_to(self, account: Account) -> Account:
@@ -164,13 +170,21 @@ class NativeWay:
         forwarded = Counter(account.forwarded)
         for end, count in zip(self._ends, counts.forwarded):
             forwarded[end.peer] += count
-        taken, sent = Counter(account.taken), Counter(account.sent)
-        for route, _, subscription in self._outbound:
+        taken, sent, superseded = Counter(account.taken), Counter(account.sent), Counter(account.superseded)
+        dropped = Counter(account.dropped)
+        for inbound in self._inbound:
+            if inbound.pacer is not None:
+                dropped[Reason.SUPERSEDED.value] += inbound.pacer.superseded
+        for row, route, _, subscription in self._outbound:
             taken[route.name] += subscription.taken
             sent[route.name] += subscription.sent
+            if row.pacer is not None:
+                superseded[route.name] += row.pacer.superseded
         return dataclasses.replace(
             account,
             taken=+taken,
+            superseded=+superseded,
+            dropped=dropped,
             sent=+sent,
             received=account.received + counts.received,
             published=account.published + counts.published,
@@ -189,13 +203,20 @@ class NativeWay:
     def sent(self) -> Counter[EndName]:
         """Return how many datagrams the native core has sent to each end."""
         sent = Counter(dict(zip(self._ends, self.loop.counts().forwarded)))
-        for _, end, subscription in self._outbound:
+        for _, _, end, subscription in self._outbound:
             sent[end] += subscription.sent
         return sent
 
 
 def _sent_at(struct: native.Subscription) -> float:
     return struct.sent_at / 1e9 if struct.sent_at else -math.inf
+
+
+def _shared_pacer(row: InboundRow | OutboundRow, core: NativeCore) -> int | None:
+    if row.pacer is None:
+        return None
+    row.lock = lock = SharedLock(core.library)
+    return row.pacer.lend(lock.address)
 
 
 def _of_row(

@@ -74,6 +74,7 @@ class Topic(ctypes.Structure):
         *_words("observed"),
         ("sertype", ctypes.c_void_p),
         ("publisher", ctypes.c_void_p),
+        ("pacer", ctypes.c_void_p),
         ("paused_until", ctypes.c_int64),
         ("published", ctypes.c_uint64),
     )
@@ -102,7 +103,7 @@ class Destination(ctypes.Structure):
 
 
 Handle = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(Datagram), ctypes.c_uint32)
-NotPublished = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32)
+OfTopic = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32)
 Admit = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint32, ctypes.POINTER(Datagram))
 Send = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram), ctypes.c_uint32)
 
@@ -110,7 +111,7 @@ Send = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram),
 class Calls(ctypes.Structure):
     """Calls of Python."""
 
-    _fields_ = (("handle", Handle), ("not_published", NotPublished), ("send", Send), ("admit", Admit))
+    _fields_ = (("handle", Handle), ("not_published", OfTopic), ("wait", OfTopic), ("send", Send), ("admit", Admit))
 
 
 class Bridge(ctypes.Structure):
@@ -152,6 +153,7 @@ class Subscription(ctypes.Structure):
         *_words("native"),
         ("socket", ctypes.POINTER(ctypes.c_int32)),
         ("signer", ctypes.POINTER(Signer)),
+        ("pacer", ctypes.c_void_p),
         *_words("segments", "observed", "strips_zeros", "unused"),
         ("taken", ctypes.c_uint64),
         ("sent", ctypes.c_uint64),
@@ -166,7 +168,7 @@ Pass = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram))
 class ServingCalls(ctypes.Structure):
     """Calls of Python."""
 
-    _fields_ = (("serve", Serve), ("take", Pass), ("send", Pass))
+    _fields_ = (("serve", Serve), ("take", Pass), ("wait", OfTopic), ("send", Pass))
 
 
 class Server(ctypes.Structure):

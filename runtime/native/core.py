@@ -56,7 +56,8 @@ def load_library(path: Path) -> ctypes.CDLL:
     library.rl_workspace_new.argtypes, library.rl_workspace_new.restype = (size,), pointer
     library.rl_workspace_free.argtypes, library.rl_workspace_free.restype = (pointer,), None
     library.rl_lock_new.restype = pointer
-    library.rl_lock_take.argtypes = library.rl_lock_leave.argtypes = (pointer,)
+    for use in (library.rl_lock_take, library.rl_lock_try, library.rl_lock_leave):
+        use.argtypes = (pointer,)
     library.rl_lock_take.restype = library.rl_lock_leave.restype = None
     library.rl_check.argtypes = (table,)
     library.rl_check_bridge.argtypes = library.rl_receive.argtypes = (ctypes.POINTER(bridge_layout.Bridge),)

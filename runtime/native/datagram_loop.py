@@ -40,6 +40,8 @@ class InboundTopics:
     """Destinations to which the row's datagrams are forwarded: bit by index."""
     longest: int = ANY_LENGTH
     """Length in bytes of the longest datagram that all of them take."""
+    pacer: int | None = None
+    """Address of the limit of the rate of the row's own topic."""
     streams: Sequence[Stream] | None = None
     """Keys that may sign the datagrams; None if they need no signature."""
 
@@ -103,6 +105,7 @@ class DatagramLoop:
                 signers=_bits(stream.id for stream in row.streams or ()),
             )
             for index, (handler, publisher) in enumerate(row.publishers, first):
+                self._topic_structs[index].pacer = row.pacer if handler is row.handler else None
                 self._topic_structs[index].translation = core.index_of(handler)
                 taps[index] = publisher.lend_to(self._topic_structs[index], functions)
                 self._topic_structs[index].observed = bool(taps[index])
@@ -159,8 +162,6 @@ class DatagramLoop:
                 self.reasons[route.name] = f"{handler.route.topic}: {reason}"
             elif not isinstance(publisher, NativePublisher):
                 self.reasons[route.name] = "the middleware publishes in Python"
-        if route.max_rate is not None:
-            self.reasons[route.name] = "max_rate"
         return route.name not in self.reasons
 
     def open(
@@ -169,13 +170,15 @@ class DatagramLoop:
         wake: socket.socket,
         largest: int,
         not_published: Callable[[AnyHandler | AnyStandardHandler], None],
+        wait: Callable[[str], None],
         send: Callable[[Destination, list[bytes]], None],
         admit: Callable[[str, Sender], Source | None],
         look: Callable[[], None],
     ) -> None:
         """Read from ``sock``, at most ``largest`` bytes of a datagram; data on ``wake`` ends the wait for datagrams.
 
-        ``not_published`` gets the handler of a message that the middleware has not accepted. ``send`` gets the
+        ``not_published`` gets the handler of a message that the middleware has not accepted. ``wait`` gets the name
+        of a row of which a message waits for its time. ``send`` gets the
         datagrams that the core cannot send. If senders are checked, ``admit`` returns the sender if Python
         need not see its datagrams of a row until `forget_senders` is called, as long as it keeps its rate. ``look`` is called once in two seconds while
         datagrams arrive.
@@ -188,7 +191,8 @@ class DatagramLoop:
         guarded = self._python.guarded
         self._bridge.calls = native.Calls(
             native.Handle(lambda datagrams, count: guarded(self._hand_over, datagrams, count)),
-            native.NotPublished(lambda topic: guarded(not_published, topics[topic])),
+            native.OfTopic(lambda topic: guarded(not_published, topics[topic])),
+            native.OfTopic(lambda topic: guarded(wait, topics[topic].route.name)),
             native.Send(lambda index, datagrams, count: guarded(send, destinations[index], _bytes(datagrams, count))),
             native.Admit(lambda index, datagram: _address(admit(rows[index], _sender(datagram[0])))),
         )

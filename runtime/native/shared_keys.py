@@ -1,4 +1,4 @@
-"""Keys, clocks and locks that Python and the native core use together, so that a timestamp has one owner."""
+"""Keys and clocks that Python and the native core use together, so that no timestamp is used twice."""
 
 from __future__ import annotations
 
@@ -6,23 +6,8 @@ import ctypes
 
 from roverlink.runtime.core.signing import Signer, SigningClock, Stream
 from roverlink.runtime.native import bridge_layout as native
-from roverlink.runtime.native.core import NativeCore, NoCoreError
-
-
-class _SharedLock:
-    """Mutex that threads of Python and of the native core take. A context manager."""
-
-    def __init__(self, library: ctypes.CDLL) -> None:
-        self._library = library
-        self.address: int | None = library.rl_lock_new()
-        if self.address is None:
-            raise NoCoreError("there is not enough memory for the native core")
-
-    def __enter__(self) -> None:
-        self._library.rl_lock_take(self.address)
-
-    def __exit__(self, *_: object) -> None:
-        self._library.rl_lock_leave(self.address)
+from roverlink.runtime.native.core import NativeCore
+from roverlink.runtime.native.shared_lock import SharedLock
 
 
 class SharedKeys:
@@ -43,7 +28,7 @@ class SharedKeys:
             return None
         if id(signer) not in self._signers:
             self._share_clock(signer.clock)
-            signer.lock = lock = _SharedLock(self._library)
+            signer.lock = lock = SharedLock(self._library)
             secret = (ctypes.c_uint8 * len(signer.key.secret))(*signer.key.secret)
             self._signers[id(signer)] = native.Signer(
                 id=signer.key.id,
@@ -57,5 +42,5 @@ class SharedKeys:
 
     def _share_clock(self, clock: SigningClock) -> None:
         if clock.shared_lock is None:
-            clock.lock = lock = _SharedLock(self._library)
+            clock.lock = lock = SharedLock(self._library)
             clock.shared_lock = lock.address

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime, timezone
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from needs import NO_DDS, NO_RCLPY, needs_native
@@ -70,28 +70,43 @@ def _installed(middleware: str, environment: dict[str, str]) -> None:
         pytest.skip(reason)
 
 
-def _without_deadman(handler: Any) -> Any:
+class _Case(NamedTuple):
+    """What the table and the parameters say, and whether there is an observer."""
+
+    policy: str = "mapping"
+    guard: float = 0
+    """If not 0, only this computer may send: 32 datagrams and then so many a second. And an address is learned."""
+    observed: bool = False
+    signed: bool = False
+    strips: bool = False
+    paced: bool = False
+    """If true, one message of a row passes in ten days."""
+
+
+def _handler(handler: Any, paced: bool) -> Any:
     made = copy.copy(handler)
-    made.route = dataclasses.replace(handler.route, deadman=None)
+    # Without the stops that a bridge sends by itself, after some time.
+    is_slow = paced and handler.route.name in ("pressure_info", "arm_target")
+    made.route = dataclasses.replace(handler.route, deadman=None, max_rate=1e-6 if is_slow else None)
     return made
 
 
-# Without the stops that a bridge sends by itself, after some time.
-_QUIET = dataclasses.replace(REGISTRY, handlers=tuple(map(_without_deadman, REGISTRY.handlers)))
 _LEARN = {"host": "learn", "host_parameter": "hardware_host"}
 _NUMBER = 23
 _SIGNATURE = 3 + 15  # bytes of the field
 _LOGGER = logging.getLogger("native_way")
 
 
-def _registry(guarded: float, signed: bool) -> Any:
-    peers = {peer.name: peer for peer in REGISTRY.peers}
-    for name, peer in peers.items():
-        peers[name] = peer = dataclasses.replace(peer, must_sign=signed, strip_trailing_zeros=bool(signed or guarded))
-        if guarded:
-            learns = _LEARN if name == "hardware" else {}
-            peers[name] = dataclasses.replace(peer, sources=("127.0.0.0/8",), source_rate=guarded, **learns)
-    return dataclasses.replace(_QUIET, peers=tuple(peers.values()), signature=_NUMBER if signed else None)
+def _registry(case: _Case) -> Any:
+    peers = []
+    for peer in REGISTRY.peers:
+        changes: dict[str, Any] = _LEARN if case.guard and peer.name == "hardware" else {}
+        if case.guard:
+            changes = {**changes, "sources": ("127.0.0.0/8",), "source_rate": case.guard}
+        peers.append(dataclasses.replace(peer, must_sign=case.signed, strip_trailing_zeros=case.strips, **changes))
+    handlers = tuple(_handler(handler, case.paced) for handler in REGISTRY.handlers)
+    number = _NUMBER if case.signed else None
+    return dataclasses.replace(REGISTRY, peers=tuple(peers), handlers=handlers, signature=number)
 
 
 def _signed(signers: Mapping[str, Signer]) -> Iterator[bytes]:
@@ -146,26 +161,19 @@ def _waiting(sock: socket.socket, count: int) -> list[bytes]:
     return [sock.recv(65_536) for _ in range(count)]
 
 
-def _bridged(
-    middleware: str,
-    native: bool,
-    policy: str,
-    guarded: float,
-    observers: Sequence[_Observer],
-    folder: Path | None,
-) -> Sequence[Any]:
+def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Observer], folder: Path) -> Sequence[Any]:
     """What arrives on two topics and at both peers, and what is counted."""
     peers = {name: socket.socket(type=socket.SOCK_DGRAM) for name in ("hardware", "basestation")}
     ports = {"hardware": "dst_b_port", "basestation": "dst_a_port"}
     for sock in peers.values():
         sock.bind(("127.0.0.1", 0))
     given = {ports[name]: sock.getsockname()[1] for name, sock in peers.items()}
-    given |= {"listen_port": 0, "listen_address": "127.0.0.1", "native_core": native, "forward_policy": policy}
-    registry = _registry(guarded, folder is not None)
-    if guarded:
+    given |= {"listen_port": 0, "listen_address": "127.0.0.1", "native_core": native, "forward_policy": case.policy}
+    registry = _registry(case)
+    if case.guard:
         given["dst_b_port"] = 0
     datagrams, keys, ends = _DATAGRAMS, None, {}
-    if folder is not None:
+    if case.signed:
         files = [folder / str(native) / f"{name}.keys" for name in peers]
         files[0].parent.mkdir()
         for file, name in zip(files, peers):
@@ -194,63 +202,65 @@ def _bridged(
             for count, datagram in enumerate(datagrams, 1):
                 board.sendto(datagram, ("127.0.0.1", bridge.port))
                 wait_until(lambda count=count: bridge.account.received >= count, f"{count} datagrams")  # type: ignore[misc]
-            for _ in range(5):
+            for count in range(1, 6):
                 command.publish([_TARGET.to_cdr(_TARGET.payload_type(), UNSTAMPED)])
-            wait_until(lambda: bridge.account.sent["arm_target"] == 5, "five commands")
+                wait_until(lambda count=count: bridge.account.taken["arm_target"] == count, "a command")  # type: ignore[misc]
+            commands = 1 if case.paced else 5
+            wait_until(lambda: bridge.account.sent["arm_target"] == commands, "the commands")
             wait_until(lambda: len(arrived[_EXTRA]) == bridge.account.extra_published[_EXTRA], "all pressures")
             counted = bridge.account.as_dict()
             reasons = dict(bridge.account.dropped_of_row)
             sent = {name: _waiting(peers[name], bridge.account.forwarded[name]) for name in peers}
-            sent |= {"commands": _waiting(board if guarded else peers["hardware"], 5)}
+            sent |= {"commands": _waiting(board if case.guard else peers["hardware"], commands)}
             bridge.stop()
             bridge.run()
     for sock in peers.values():
         sock.close()
+    ended = bridge.account.as_dict()
     assert not bridge.account.discrepancies()
     assert ("the native core handles all" in bridge.way) == native
     for name, links in ends.items():
         for datagram in (
-            *(sent[name] if policy == "mapping" else ()),
+            *(sent[name] if case.policy == "mapping" else ()),
             *(sent["commands"] if name == "hardware" else ()),
         ):
             links.verifier.verify(datagram, {"ros"})
     if ends:
         sent = {name: [*map(_bare, datagrams)] for name, datagrams in sent.items()}
-    return counted, reasons, {topic: [one[-16:] for one in messages] for topic, messages in arrived.items()}, sent
+    return (
+        counted,
+        ended,
+        reasons,
+        {topic: [one[-16:] for one in messages] for topic, messages in arrived.items()},
+        sent,
+    )
 
 
 @pytest.mark.parametrize(
-    ("policy", "guarded", "observed", "signed"),
+    "case",
     [
-        ("mapping", 0, False, False),
-        ("all", 0, False, False),
-        ("mapping", math.inf, False, False),
-        ("mapping", math.inf, True, False),
-        ("mapping", 1e-6, False, False),
-        ("mapping", 0, False, True),
-        ("all", 0, False, True),
-        ("mapping", math.inf, True, True),
-        ("mapping", 1e-6, False, True),
+        _Case(),
+        _Case("all"),
+        _Case(guard=math.inf, strips=True),
+        _Case(guard=math.inf, observed=True),
+        _Case(guard=1e-6),
+        _Case(paced=True, observed=True),
+        _Case(signed=True),
+        _Case("all", signed=True),
+        _Case(guard=math.inf, observed=True, signed=True, strips=True),
+        _Case(guard=1e-6, signed=True, paced=True),
     ],
 )
-def test_both_ways_do_the_same(
-    middleware: str, policy: str, guarded: float, observed: bool, signed: bool, tmp_path: Path
-) -> None:
-    """Rows, extra topics, forwards and commands; datagrams that the core hands over; and what observers get.
-
-    With a guard, only this computer may send, 32 datagrams and then at a rate, and the address of the hardware is
-    learned. Signed datagrams, and those
-    behind a guard, have no zeros at their end.
-    """
-    observers = [[_Observer()] if observed else [] for _ in range(2)]
-    folder = tmp_path if signed else None
-    found = [_bridged(middleware, way, policy, guarded, given, folder) for way, given in zip((False, True), observers)]
-    if observed:
+def test_both_ways_do_the_same(middleware: str, case: _Case, tmp_path: Path) -> None:
+    """Rows, extra topics, forwards and commands; datagrams that the core hands over; and what observers get."""
+    observers = [[_Observer()] if case.observed else [] for _ in range(2)]
+    found = [_bridged(middleware, way, case, given, tmp_path) for way, given in zip((False, True), observers)]
+    if case.observed:
         seen = [dict(one.seen) for (one,) in observers]
-        if signed:  # signatures are of the moment
+        if case.signed:  # signatures are of the moment
             seen = [one | {"received": [*map(_bare, one["received"])]} for one in seen]
         assert seen[0] == seen[1]
-        assert len(observers[0][0].seen) > len(_INBOUND)
-    for counted, *_ in found:
-        del counted["qos_mismatches"]  # of the moment
+        assert len(seen[0]) > len(_INBOUND)
+    for counted, ended, *_ in found:
+        del counted["qos_mismatches"], ended["qos_mismatches"]  # of the moment
     assert found[0] == found[1]

@@ -49,6 +49,7 @@ typedef struct rl_lock rl_lock;
 
 RL_API rl_lock *rl_lock_new(void); /* null if memory is short; it is never freed */
 RL_API void rl_lock_take(rl_lock *);
+RL_API int rl_lock_try(rl_lock *); /* 1, or 0 if another thread has it */
 RL_API void rl_lock_leave(rl_lock *);
 
 /* Clock of the timestamps of a link: SigningClock in runtime/core/signing.py. Used under the lock. */
@@ -90,6 +91,18 @@ typedef struct rl_middleware {
   int32_t (*count_subscriptions)(const void *publisher, size_t *count);
 } rl_middleware;
 
+/* Limit of the rate of a row: Pacer in runtime/bridge/pacing.py, which passes on the message that waits. Used under the
+ * lock, which Python also holds while it passes a message on. */
+typedef struct rl_pacer {
+  double interval, slot; /* seconds; the slot is the time at which the next message may pass */
+  uint64_t waits;        /* 1 if a message waits */
+  uint64_t size;         /* of the message that waits; 0 if it is in Python's memory */
+  uint64_t room;
+  uint8_t *message;
+  rl_lock *lock;
+  uint64_t superseded;   /* N: messages that a newer one has replaced */
+} rl_pacer;
+
 /* Topic on which a row's payloads are published. */
 typedef struct rl_topic {
   uint32_t translation;
@@ -98,6 +111,7 @@ typedef struct rl_topic {
   uint32_t observed;      /* 1 if observers get the messages; the channel is the index of the topic */
   const void *sertype;
   const void *publisher;  /* of rcl */
+  rl_pacer *pacer;        /* null without a limit */
   int64_t paused_until;   /* in nanoseconds of the monotonic clock: no message is published before */
   uint64_t published;     /* N */
 } rl_topic;
@@ -137,6 +151,7 @@ typedef struct rl_bucket {
 typedef struct rl_calls {
   int (*handle)(const rl_datagram *, uint32_t count); /* without datagrams: once in two seconds while some arrive */
   int (*not_published)(uint32_t topic);
+  int (*wait)(uint32_t topic); /* a message waits for its time */
   int (*send)(uint32_t destination, const rl_datagram *, uint32_t count);
   /* the bucket of a sender if Python need not see its datagrams of a row as long as it has tokens, until `senders`
    * changes; null to hand one over */
@@ -202,6 +217,7 @@ typedef struct rl_subscription {
   uint32_t native;         /* P: 0 hands the messages over, and also datagrams that are not sent yet */
   const int32_t *socket;   /* P: see rl_destination */
   const rl_signer *signer; /* null if nothing is signed */
+  rl_pacer *pacer;         /* null without a limit */
   uint32_t segments;
   uint32_t observed;       /* bits: 1 if observers get the messages, on channel 2 * index; 2 if they get the datagrams, on
                               the next channel */
@@ -215,6 +231,7 @@ typedef struct rl_subscription {
 typedef struct rl_serving_calls {
   int (*serve)(uint32_t topic, uint32_t most);  /* take and handle messages of a topic that Python reads */
   int (*take)(uint32_t topic, const rl_datagram *message);  /* handle a message that was taken */
+  int (*wait)(uint32_t topic);  /* a message waits for its time */
   int (*send)(uint32_t topic, const rl_datagram *);  /* send a datagram that could not be sent */
 } rl_serving_calls;
 
