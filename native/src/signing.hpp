@@ -1,4 +1,4 @@
-// Signatures of datagrams, with the clock of a link that Python uses, too. The cryptography is that of boards, in cpp/c.
+// Signatures of datagrams, with the clock of a link that Python uses, too. The cryptography is that of boards (cpp/c).
 #pragma once
 
 #include <algorithm>

@@ -177,11 +177,10 @@ class DatagramLoop:
     ) -> None:
         """Read from ``sock``, at most ``largest`` bytes of a datagram; data on ``wake`` ends the wait for datagrams.
 
-        ``not_published`` gets the handler of a message that the middleware has not accepted. ``wait`` gets the name
-        of a row of which a message waits for its time. ``send`` gets the
-        datagrams that the core cannot send. If senders are checked, ``admit`` returns the sender if Python
-        need not see its datagrams of a row until `forget_senders` is called, as long as it keeps its rate. ``look`` is called once in two seconds while
-        datagrams arrive.
+        ``not_published`` gets the handler of a message that the middleware has not accepted. ``wait`` gets the name of
+        a row of which a message waits for its time. ``send`` gets the datagrams that the core cannot send. If senders
+        are checked, ``admit`` returns the sender if Python need not see its datagrams of a row until `forget_senders`
+        is called, as long as it keeps its rate. ``look`` is called once in two seconds while datagrams arrive.
         """
         self._look = look
         topics, destinations = self._topics, self._destinations

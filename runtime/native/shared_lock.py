@@ -16,7 +16,7 @@ class SharedLock:
         if self.address is None:
             raise NoCoreError("there is not enough memory for the native core")
 
-    def acquire(self, blocking: bool = True) -> bool:  # noqa: FBT001, FBT002  # as that of threading.Lock
+    def acquire(self, blocking: bool = True) -> bool:  # as that of threading.Lock
         """Take the lock; without ``blocking``, return false if another thread has it."""
         if not blocking:
             return bool(self._library.rl_lock_try(self.address))

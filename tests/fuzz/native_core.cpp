@@ -33,13 +33,18 @@ void read(std::FILE *file, const T *&array, uint32_t &count) {
   count = head[0];
 }
 
+int stop() {
+  bridge.stopping = 1;
+  return 0;
+}
+
 // Lets the bridge handle one datagram.
 void receive(uint32_t translation, const uint8_t *data, size_t size) {
   static int sockets[4];
-  if (sockets[0] == 0 && (socketpair(AF_UNIX, SOCK_DGRAM, 0, sockets) | socketpair(AF_UNIX, SOCK_DGRAM, 0, sockets + 2)))
-    std::abort();
-  static rl_lock *const lock = rl_lock_new();
-  rl_clock clock = {{0, 0}, lock};
+  for (int *pair : {sockets, sockets + 2})
+    if (*pair == 0 && socketpair(AF_UNIX, SOCK_DGRAM, 0, pair) != 0) std::abort();
+  static rl_lock *const lock = rl_lock_new(), *const lock_of_clock = rl_lock_new();
+  rl_clock clock = {{0, 0}, lock_of_clock};
   rl_stream stream = {{1, {}, 0}, UINT64_MAX, &clock};
   rl_stream *const streams[] = {&stream};
   const rl_signer signer = {{2, {}, 0}, &clock, lock, 23, size % 2 == 0};
@@ -59,9 +64,10 @@ void receive(uint32_t translation, const uint8_t *data, size_t size) {
   bridge.rows = rows;
   bridge.destinations = &destination;
   bridge.streams = streams;
-  bridge.middleware.count_subscriptions = [](const void *, size_t *count) { return static_cast<int32_t>((*count = 1) - 1); };
-  bridge.middleware.publish = [](const void *, const rl_rcl_message *, void *) { return int32_t{bridge.stopping = 1} - 1; };
-  bridge.calls.handle = [](const rl_datagram *, uint32_t) { return static_cast<int>(bridge.stopping = 1) - 1; };
+  bridge.middleware.count_subscriptions = [](const void *, size_t *count) -> int32_t { return *count = 1, 0; };
+  bridge.middleware.publish = [](const void *, const rl_rcl_message *, void *) -> int32_t { return stop(); };
+  bridge.calls.handle = [](const rl_datagram *, uint32_t) { return stop(); };
+  bridge.calls.send = [](uint32_t, const rl_datagram *, uint32_t) { return 0; };
   bridge.n_topics = bridge.n_rows = 2;
   bridge.n_destinations = bridge.n_streams = 1;
   bridge.signature = 23;

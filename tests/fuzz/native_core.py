@@ -1,9 +1,9 @@
 """Fuzz the native core with libFuzzer, AddressSanitizer and UndefinedBehaviorSanitizer.
 
 ``python tests/fuzz/native_core.py to_cdr -max_total_time=60``: the door ``to_cdr`` takes payloads, ``to_proto`` takes
-serialized ROS 2 messages, ``receive`` takes datagrams with and without a signature; what follows goes to libFuzzer. There is a run with the table of the sample rover, which
-begins with messages of a simulated rover and with random ones, and one with the table of the wire cases, which begins
-with these. Needs clang.
+serialized ROS 2 messages, ``receive`` takes datagrams with and without a signature; what follows goes to libFuzzer.
+There is a run with the table of the sample rover, which begins with messages of a simulated rover and with random ones,
+and one with the table of the wire cases, which begins with these. Needs clang.
 """
 
 from __future__ import annotations

@@ -29,10 +29,10 @@ from roverlink.runtime.core.envelope import restore
 from roverlink.runtime.core.handler import UNSTAMPED
 from roverlink.runtime.core.signing import TICKS_PER_SECOND, Key, Signer, SigningClock
 from roverlink.runtime.core.tap import Tap
-from roverlink.runtime.middleware import NodeIdentity, open_middleware
-from roverlink.runtime.middleware.tapping import TappedMiddleware
 from roverlink.runtime.keys.key_file import make_key_file
 from roverlink.runtime.keys.signed_links import SignedLinks
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
+from roverlink.runtime.middleware.tapping import TappedMiddleware
 from roverlink.runtime.ros_arguments import parameters
 
 pytestmark = needs_native

@@ -35,7 +35,8 @@ _MEMBERS: dict[str, dict[str, str]] = {
 _PLACES = """#include <cstddef>
 #include <cstdio>
 #include "roverlink/bridge.h"
-#define PLACE(type, member) std::printf("%zu+%zu\\n", offsetof(type, member), sizeof(static_cast<type *>(nullptr)->member))
+#define SIZE(type, member) sizeof(static_cast<type *>(nullptr)->member)
+#define PLACE(type, member) std::printf("%zu+%zu\\n", offsetof(type, member), SIZE(type, member))
 int main() {{
 {}
 }}
