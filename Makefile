@@ -15,7 +15,7 @@ unexport PYTHONDONTWRITEBYTECODE
 RUNTIME_INTERFACES := roverlink.generator.emit.targets.python.runtime_interfaces
 HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs conftest.py hatch_build.py
 # An editable install compiles the native core from these.
-NATIVE := hatch_build.py $(wildcard native/include/roverlink/*.h native/src/*)
+NATIVE := hatch_build.py $(wildcard native/include/roverlink/*.h native/src/* cpp/c/*)
 
 .PHONY: help demo test test-all exhaustive test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz fuzz-native lint bench bench-vision bench-video mutation pictures generate docs docs-reference clean
 

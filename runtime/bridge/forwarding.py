@@ -89,7 +89,7 @@ class Forwarding:
             self.hand_on(fitting, destination)
 
     def hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:
-        """Send datagrams that the end may get to its destination, in the form that the policy asks for, and count them."""
+        """Send datagrams that the end may get to its destination, in the form of the policy, and count them."""
         self._hand_on(datagrams, destination, self._send_raw if self._to_all else self._send)
 
     def _fitting(self, datagrams: Sequence[bytes], limit: int, peer: str) -> list[bytes]:

@@ -55,7 +55,6 @@ def load_library(path: Path) -> ctypes.CDLL:
     result = (pointer, ctypes.POINTER(size))
     library.rl_workspace_new.argtypes, library.rl_workspace_new.restype = (size,), pointer
     library.rl_workspace_free.argtypes, library.rl_workspace_free.restype = (pointer,), None
-    library.rl_lock_new.restype = pointer
     for use in (library.rl_lock_take, library.rl_lock_try, library.rl_lock_leave):
         use.argtypes = (pointer,)
     library.rl_lock_take.restype = library.rl_lock_leave.restype = None

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import ctypes
 
-from roverlink.runtime.native.core import NoCoreError
-
 
 class SharedLock:
-    """Mutex that threads of Python and of the native core take. A context manager."""
+    """Lock that threads of Python and of the native core take (`rl_lock` in bridge.h). A context manager."""
 
     def __init__(self, library: ctypes.CDLL) -> None:
-        self._library = library
-        self.address: int | None = library.rl_lock_new()
-        if self.address is None:
-            raise NoCoreError("there is not enough memory for the native core")
+        self._library, self._state = library, ctypes.c_uint32()
+        self.address = ctypes.addressof(self._state)
 
-    def acquire(self, blocking: bool = True) -> bool:  # as that of threading.Lock
+    def acquire(self, blocking: bool = True) -> bool:
         """Take the lock; without ``blocking``, return false if another thread has it."""
         if not blocking:
             return bool(self._library.rl_lock_try(self.address))

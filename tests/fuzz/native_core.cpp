@@ -43,11 +43,11 @@ void receive(uint32_t translation, const uint8_t *data, size_t size) {
   static int sockets[4];
   for (int *pair : {sockets, sockets + 2})
     if (*pair == 0 && socketpair(AF_UNIX, SOCK_DGRAM, 0, pair) != 0) std::abort();
-  static rl_lock *const lock = rl_lock_new(), *const lock_of_clock = rl_lock_new();
-  rl_clock clock = {{0, 0}, lock_of_clock};
+  rl_lock lock = {0}, lock_of_clock = {0};
+  rl_clock clock = {{0, 0}, &lock_of_clock};
   rl_stream stream = {{1, {}, 0}, UINT64_MAX, &clock};
   rl_stream *const streams[] = {&stream};
-  const rl_signer signer = {{2, {}, 0}, &clock, lock, 23, size % 2 == 0};
+  const rl_signer signer = {{2, {}, 0}, &clock, &lock, 23, size % 2 == 0};
   rl_topic topics[2] = {};
   for (rl_topic &topic : topics) {
     topic.translation = translation;

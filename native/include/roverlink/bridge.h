@@ -44,10 +44,11 @@ typedef struct rl_ring {
 /* Copy all records to `out`, which has the room of the ring, and remove them. Returns the number of bytes. */
 RL_API size_t rl_take_records(rl_ring *, uint8_t *out);
 
-/* Mutex between threads of Python and of the core. Nobody who holds it waits for Python's interpreter lock. */
-typedef struct rl_lock rl_lock;
+/* Lock between threads of Python and of the core. No thread of the core calls Python while it has one. */
+typedef struct rl_lock {
+  uint32_t state; /* 0: free */
+} rl_lock;
 
-RL_API rl_lock *rl_lock_new(void); /* null if memory is short; it is never freed */
 RL_API void rl_lock_take(rl_lock *);
 RL_API int rl_lock_try(rl_lock *); /* 1, or 0 if another thread has it */
 RL_API void rl_lock_leave(rl_lock *);
