@@ -218,7 +218,7 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
         sock.close()
     ended = bridge.account.as_dict()
     assert not bridge.account.discrepancies()
-    assert ("the native core handles all" in bridge.way) == native
+    assert ("the native core handles" in bridge.way) == native
     for name, links in ends.items():
         for datagram in (
             *(sent[name] if case.policy == "mapping" else ()),
