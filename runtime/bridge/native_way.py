@@ -96,6 +96,8 @@ class NativeWay:
         self._outbound: list[tuple[OutboundRow, Route, EndName, native.Subscription]] = []
         for handler, row, subscription in outbound:
             route, end = handler.route, registry.end_of(handler.route)
+            if route.name in self.reasons:
+                continue
             if reason := self._why_not(handler, subscription, core):
                 self.reasons[route.name] = reason
                 continue

@@ -220,20 +220,13 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
     assert not bridge.account.discrepancies()
     assert ("the native core handles" in bridge.way) == native
     for name, links in ends.items():
-        for datagram in (
-            *(sent[name] if case.policy == "mapping" else ()),
-            *(sent["commands"] if name == "hardware" else ()),
-        ):
+        signed = sent[name] if case.policy == "mapping" else []
+        for datagram in signed + (sent["commands"] if name == "hardware" else []):
             links.verifier.verify(datagram, {"ros"})
     if ends:
         sent = {name: [*map(_bare, datagrams)] for name, datagrams in sent.items()}
-    return (
-        counted,
-        ended,
-        reasons,
-        {topic: [one[-16:] for one in messages] for topic, messages in arrived.items()},
-        sent,
-    )
+    ends_of = {topic: [message[-16:] for message in messages] for topic, messages in arrived.items()}
+    return counted, ended, reasons, ends_of, sent
 
 
 @pytest.mark.parametrize(
