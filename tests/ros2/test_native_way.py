@@ -9,9 +9,12 @@ import logging
 import math
 import re
 import socket
+import threading
+import time
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime, timezone
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -156,6 +159,16 @@ class _Observer:
         return lambda datagrams: (self.sent[peer](datagrams), send(datagrams))[1]
 
 
+def _keys(registry: Any, folder: Path) -> tuple[SignedLinks | None, dict[str, SignedLinks]]:
+    """The keys of a bridge, and those of its peers."""
+    folder.mkdir()
+    files = {peer.name: folder / f"{peer.name}.keys" for peer in registry.peers}
+    for name, file in files.items():
+        make_key_file(file, name, datetime.now(timezone.utc))
+    ends = {name: SignedLinks(_NUMBER, [file], _LOGGER, name) for name, file in files.items()}
+    return open_links(registry, [*files.values()], _LOGGER), ends
+
+
 def _waiting(sock: socket.socket, count: int) -> list[bytes]:
     sock.settimeout(30)
     return [sock.recv(65_536) for _ in range(count)]
@@ -174,12 +187,7 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
         given["dst_b_port"] = 0
     datagrams, keys, ends = _DATAGRAMS, None, {}
     if case.signed:
-        files = [folder / str(native) / f"{name}.keys" for name in peers]
-        files[0].parent.mkdir()
-        for file, name in zip(files, peers):
-            make_key_file(file, name, datetime.now(timezone.utc))
-        ends = {name: SignedLinks(_NUMBER, [file], _LOGGER, name) for file, name in zip(files, peers)}
-        keys = open_links(registry, files, _LOGGER)
+        keys, ends = _keys(registry, folder / str(native))
         signers = {name: links.signer(["ros"]) for name, links in ends.items()}
         datagrams = [*_signed({name: signer for name, signer in signers.items() if signer})]
     settings = parameters.read(registry, given)
@@ -257,3 +265,44 @@ def test_both_ways_do_the_same(middleware: str, case: _Case, tmp_path: Path) -> 
     for counted, ended, *_ in found:
         del counted["qos_mismatches"], ended["qos_mismatches"]  # of the moment
     assert found[0] == found[1]
+
+
+def test_what_two_threads_sign_for_a_peer_arrives_in_the_order_of_its_timestamps(
+    middleware: str, tmp_path: Path
+) -> None:
+    """Messages of a topic, and forwards at the same time: the peer would refuse a datagram that was overtaken."""
+    registry, handler = _registry(_Case(signed=True)), REGISTRY.by_name["detected_object"]
+    keys, ends = _keys(registry, tmp_path / "keys")
+    signer = ends["hardware"].signer(["ros"])
+    arrived: list[bytes] = []
+    with open_middleware("dds", NodeIdentity("node")) as node, socket.socket(type=socket.SOCK_DGRAM) as base:
+        base.bind(("127.0.0.1", 0))
+        base.settimeout(0.5)
+        reading = threading.Thread(target=lambda: arrived.extend(iter(partial(_received, base), b"")))
+        given = {"listen_port": 0, "listen_address": "127.0.0.1", "dst_a_port": base.getsockname()[1]}
+        made = open_middleware(middleware, NodeIdentity("bridge"))
+        settings = parameters.read(registry, given)
+        with Bridge(registry, settings, made, lambda topic: f"/{topic}", _LOGGER, (), keys) as bridge:
+            publisher = node.publisher(f"/{handler.route.topic}", handler.message_type, Qos(depth=100))
+            wait_until(publisher.has_subscribers, "the bridge")
+            reading.start()
+            message, end = handler.to_cdr(handler.payload_type(), UNSTAMPED), time.monotonic() + 1.5
+            while time.monotonic() < end:
+                publisher.publish([message] * 2)
+                for _ in range(4):
+                    base.sendto(signer.sign(_envelope(ph_info={})), ("127.0.0.1", bridge.port))  # type: ignore[union-attr]
+                time.sleep(0.0005)
+            bridge.stop()
+            bridge.run()
+        reading.join()
+    for datagram in arrived:
+        ends["basestation"].verifier.verify(datagram, {"ros"})
+    parsed = map(REGISTRY.envelope.FromString, arrived)
+    assert {one.WhichOneof("payload") for one in parsed} == {"ph_info", "detected_object"}
+
+
+def _received(sock: socket.socket) -> bytes:
+    try:
+        return sock.recv(65_536)
+    except TimeoutError:
+        return b""
