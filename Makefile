@@ -17,7 +17,7 @@ HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs 
 # `make dist` compiles the native core for these, too, each with the cross compiler of Debian and Ubuntu.
 CROSS := $(filter-out $(shell uname -m),aarch64)
 # An editable install compiles the native core from these.
-NATIVE := hatch_build.py $(wildcard native/include/roverlink/*.h native/src/*)
+NATIVE := hatch_build.py $(wildcard native/include/roverlink/*.h native/src/* cpp/c/*)
 
 .PHONY: help demo test test-all exhaustive test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz fuzz-native lint bench bench-vision bench-video mutation pictures generate docs docs-reference clean
 
@@ -70,8 +70,8 @@ fuzz: $(VENV)/ready-fuzz  ## every parser of bytes from outside, a minute each
 	for target in datagram trailing-zeros sample message native-payload native-message; do \
 		$(BIN)/python tests/fuzz $$target -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
-fuzz-native: $(VENV)/ready-dev  ## both directions of the native core, each with two tables for a minute, with sanitizers; needs clang
-	for door in to_cdr to_proto; do \
+fuzz-native: $(VENV)/ready-dev  ## both directions of the native core and its reception, each with two tables for a minute, with sanitizers; needs clang
+	for door in to_cdr to_proto receive; do \
 		$(BIN)/python tests/fuzz/native_core.py $$door -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
 lint: $(VENV)/ready-full  ## ruff, black, mypy --strict, whether generated/ is what mapping.yaml says, and the numbers

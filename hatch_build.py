@@ -27,6 +27,8 @@ FLAGS = (
     "-ffp-contract=off "  # Python rounds after each operation
     "-Wall -Wextra -Wconversion -Wpedantic"
 )
+INCLUDES = ("native/include", "roverlink/cpp/c")
+"""Folders with headers. The second one has the C code of boards, by which the library signs, too."""
 _OLDEST_GLIBC = 17
 """Minor version of the oldest glibc 2 for which wheels have a tag of this form (PEP 600)."""
 
@@ -68,7 +70,8 @@ class NativeCore(BuildHookInterface):  # type: ignore[type-arg]  # hatchling's o
         # What the library needs of a C++ library is in it, so that it runs beside any.
         flags += ["-static-libstdc++", "-static-libgcc", "-Wl,--no-undefined"]
         linked = ["-o", str(made), *shlex.split(os.environ.get("LDFLAGS", ""))]
-        command = [*compiler, *flags, f"-I{native / 'include'}", *map(str, sorted(native.glob("src/*.cpp"))), *linked]
+        include = [f"-I{Path(self.root, folder)}" for folder in INCLUDES]
+        command = [*compiler, *flags, *include, *map(str, sorted(native.glob("src/*.cpp"))), *linked]
         try:
             code = subprocess.run(command, check=False).returncode  # noqa: S603  # the compiler of who installs it
         except OSError as error:

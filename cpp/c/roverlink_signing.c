@@ -248,40 +248,60 @@ static size_t restore(uint8_t * data, size_t length, size_t capacity, uint64_t e
   return (size_t)end;
 }
 
+size_t roverlink_restore(uint8_t * datagram, size_t length, size_t capacity)
+{
+  int has_field;
+  return restore(datagram, length, capacity, end_of(datagram, length, 0, &has_field));
+}
+
+int roverlink_is_authentic(const roverlink_key * key, const uint8_t * datagram, size_t length)
+{
+  uint8_t mac[MAC], difference = 0;
+  int i;
+  blake2s(mac, MAC, key->secret, sizeof key->secret, datagram, length - MAC);
+  for (i = 0; i < MAC; ++i) { /* always all bytes: the time must not tell how many were right */
+    difference |= (uint8_t)(mac[i] ^ datagram[length - MAC + (size_t)i]);
+  }
+  return difference == 0;
+}
+
+uint64_t roverlink_timestamp(const uint8_t * datagram, size_t length)
+{
+  uint64_t timestamp = 0;
+  int i;
+  for (i = 0; i < TIMESTAMP; ++i) {
+    timestamp |= (uint64_t)datagram[length - MAC - TIMESTAMP + (size_t)i] << 8 * i;
+  }
+  return timestamp;
+}
+
 roverlink_verdict roverlink_verify(
   roverlink_key * keys, size_t count, uint32_t number, roverlink_clock * clock, uint64_t steady, uint8_t * datagram,
   size_t * length, size_t capacity)
 {
-  uint8_t start[LONGEST_TAG + 1], mac[MAC], difference = 0;
-  const uint8_t * value;
+  uint8_t start[LONGEST_TAG + 1], id;
   const size_t size = write_start(start, number);
   roverlink_key * key = NULL;
-  uint64_t timestamp = 0;
+  uint64_t timestamp;
   size_t i;
   int has_field;
   *length = restore(datagram, *length, capacity, end_of(datagram, *length, number, &has_field));
   if (*length < size + VALUE || memcmp(datagram + *length - VALUE - size, start, size) != 0) {
     return has_field ? ROVERLINK_MALFORMED_SIGNATURE : ROVERLINK_UNSIGNED;
   }
-  value = datagram + *length - VALUE;
+  id = datagram[*length - VALUE];
   for (i = 0; i < count; ++i) {
-    if (keys[i].id == value[0]) {
+    if (keys[i].id == id) {
       key = keys + i;
     }
   }
   if (key == NULL) {
     return ROVERLINK_UNKNOWN_KEY;
   }
-  blake2s(mac, MAC, key->secret, sizeof key->secret, datagram, *length - MAC);
-  for (i = 0; i < MAC; ++i) { /* always all bytes: the time must not tell how many were right */
-    difference |= (uint8_t)(mac[i] ^ value[1 + TIMESTAMP + i]);
-  }
-  if (difference != 0) {
+  if (!roverlink_is_authentic(key, datagram, *length)) {
     return ROVERLINK_WRONG_SIGNATURE;
   }
-  for (i = 0; i < TIMESTAMP; ++i) {
-    timestamp |= (uint64_t)value[1 + i] << 8 * i;
-  }
+  timestamp = roverlink_timestamp(datagram, *length);
   if (timestamp <= key->last) {
     return timestamp == key->last ? ROVERLINK_REPLAYED : ROVERLINK_OUTDATED;
   }

@@ -14,9 +14,10 @@ extern "C" {
 #endif
 
 enum {
-  /* Bytes that a signature adds to a datagram, if its field number is below 16, and below 2048. */
+  /* Bytes that a signature adds to a datagram, if its field number is below 16, below 2048, and at most. */
   ROVERLINK_SIGNED_15 = 17,
   ROVERLINK_SIGNED_2047 = 18,
+  ROVERLINK_SIGNED_ANY = 21,
   ROVERLINK_SECRET_BYTES = 32,
   ROVERLINK_TICKS_PER_SECOND = 100000
 };
@@ -85,6 +86,21 @@ typedef enum {
 roverlink_verdict roverlink_verify(
   roverlink_key * keys, size_t count, uint32_t number, roverlink_clock * clock, uint64_t steady, uint8_t * datagram,
   size_t * length, size_t capacity);
+
+/* The parts of roverlink_verify, for a program that decides about timestamps by itself, such as the bridge. */
+
+/* Restore the zeros at the end of an envelope in a buffer of `capacity` bytes; return the length of the envelope.
+ *
+ * The length stays as it is if the bytes are no envelope, or if the envelope has no room. Only bytes behind the datagram
+ * change.
+ */
+size_t roverlink_restore(uint8_t * datagram, size_t length, size_t capacity);
+
+/* Return 1 if the last bytes of a datagram are the MAC of the key over all before; the datagram has a whole signature. */
+int roverlink_is_authentic(const roverlink_key * key, const uint8_t * datagram, size_t length);
+
+/* Return the timestamp in a datagram with a whole signature. */
+uint64_t roverlink_timestamp(const uint8_t * datagram, size_t length);
 
 #ifdef __cplusplus
 }

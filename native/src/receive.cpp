@@ -3,20 +3,23 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "frame.hpp"
 #include "memory.hpp"
+#include "pacing.hpp"
 #include "roverlink/bridge.h"
 #include "ring.hpp"
 #include "sending.hpp"
 #include "shared_counts.hpp"
+#include "signing.hpp"
 #include "times.hpp"
 
 namespace roverlink {
 namespace {
 
 constexpr size_t MESSAGE_ROOM = size_t{1} << 20;  // for the messages of one datagram on all topics of its row
-constexpr int64_t TICK_NS = 2'000'000'000;
+constexpr int64_t LOOK_NS = 2'000'000'000;
 constexpr int64_t PAUSE = 9;  // a publisher that made the thread wait is left alone for so many times as long
 constexpr int SDK_DATA = 2;   // enum ddsi_serdata_kind
 
@@ -28,6 +31,7 @@ struct Sender {
   uint8_t address[28];      // struct sockaddr_in or sockaddr_in6
   uint32_t size;            // bytes of the address; 0 for none
   uint64_t rows[ADMITTED];  // bit by index of the row
+  rl_bucket *bucket;
 };
 
 struct Reading {
@@ -55,14 +59,16 @@ class Loop {
  public:
   explicit Loop(rl_bridge &bridge)
       : bridge_(bridge),
-        bytes_(memory_for<uint8_t>(size_t{bridge.largest} * RL_SLOTS)),
+        stride_(size_t{bridge.largest} + SIGNATURE_ROOM),
+        signature_size_(size_of_signature(bridge.signature)),
+        bytes_(memory_for<uint8_t>(stride_ * RL_SLOTS)),
         messages_(memory_for<uint8_t>(MESSAGE_ROOM)),
         reading_(memory_for<Reading>(1)) {}
 
   int run() {
     if (bytes_ == nullptr || messages_ == nullptr || reading_ == nullptr) return -1;
     for (size_t slot = 0; slot < RL_SLOTS; ++slot)
-      reading_[0].places[slot] = {bytes_.get() + slot * bridge_.largest, bridge_.largest};
+      reading_[0].places[slot] = {bytes_.get() + slot * stride_, bridge_.largest};
     pollfd watched[2] = {{bridge_.socket, POLLIN, 0}, {bridge_.wake, POLLIN, 0}};
     while (!load(bridge_.stopping)) {
       // Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
@@ -79,9 +85,12 @@ class Loop {
     rl_datagram handed_over[RL_BURST];
     uint32_t handed_over_rows[RL_BURST];
     uint32_t n_handed_over = 0;
+    bool is_urgent = false;  // no later datagram may be handled before those that are handed over
     uint64_t forward[RL_BURST] = {};
+    size_t sizes[RL_BURST] = {};  // of the envelopes to forward: a datagram may have more or fewer zeros at its end
     const rl_datagram *datagrams;
     uint32_t size;
+    int64_t began;
     timespec arrived;
   };
 
@@ -121,6 +130,7 @@ class Loop {
   int handle(const rl_datagram *datagrams, uint32_t size) {
     const int64_t began = monotonic_ns();
     Burst burst;
+    burst.began = began;
     burst.datagrams = datagrams;
     burst.size = size;
     clock_gettime(CLOCK_REALTIME, &burst.arrived);
@@ -128,48 +138,84 @@ class Loop {
     const bool native = burst.arrived.tv_sec >= 0 && burst.arrived.tv_sec <= INT32_MAX;
     for (uint32_t index = 0; index < size; ++index) {
       rl_row *row = native ? row_of(datagrams[index]) : nullptr;
+      if (burst.is_urgent && row != nullptr && load(row->native))
+        if (const int ended = settle(burst)) return ended;
       if (row == nullptr || !publish(*row, datagrams[index], burst)) {
         burst.handed_over_rows[burst.n_handed_over] = row != nullptr ? row->number : 0;
         burst.handed_over[burst.n_handed_over++] = datagrams[index];
-        if (row == nullptr || !row->at_once) continue;
-        if (const int ended = hand_over(burst)) return ended;
+        // The order counts for the timestamps of a key, and for the rate of a sender.
+        burst.is_urgent |= bridge_.is_ordered || (row != nullptr && row->at_once);
         continue;
       }
-      burst.forward[index] = load(row->forward);
+      burst.forward[index] = row->forward;
+      burst.sizes[index] = envelope_size_;
       add(row->handled, 1);
       ++handled_;
     }
-    flush();
-    if (const int ended = forward(burst)) return ended;
-    if (handled_ != 0) note_latency(began);
-    if (const int ended = hand_over(burst)) return ended;
-    if (const int ended = tell_unpublished()) return ended;
+    if (const int ended = settle(burst)) return ended;
+    if (const int ended = tell()) return ended;
     if (began < next_tick_) return 0;
-    next_tick_ = began + TICK_NS;
+    next_tick_ = began + LOOK_NS;
     return bridge_.calls.handle(nullptr, 0);
   }
 
-  // The row of a datagram that is exactly an envelope with one payload; else null. `payload_` is then the payload.
+  // The row of a datagram that is an envelope with one payload, and a signature if the row needs one; else null.
   rl_row *row_of(const rl_datagram &datagram) {
-    const uint8_t *at = datagram.data, *const end = at + datagram.size;
-    uint32_t tag = 0, size = 0;
     if (datagram.size >= bridge_.largest) return nullptr;  // it may have been longer
+    if (rl_row *const row = row_of(datagram.data, datagram.size)) return row;
+    // Only bytes behind the datagram change, so that Python can still get it as it came.
+    auto *const data = const_cast<uint8_t *>(datagram.data);
+    const size_t size = roverlink_restore(data, datagram.size, bridge_.largest);
+    return size != datagram.size ? row_of(data, size) : nullptr;
+  }
+
+  rl_row *row_of(const uint8_t *data, size_t envelope_size) {
+    const uint8_t *at = data, *const end = data + envelope_size;
+    uint32_t tag = 0, size = 0;
     if (!varint(at, end, &tag) || (tag & 7) != DELIMITED) return nullptr;
     rl_row *const last = bridge_.rows + bridge_.n_rows;
     rl_row *row = std::lower_bound(bridge_.rows, last, tag >> 3,
                                    [](const rl_row &one, uint32_t number) { return one.number < number; });
     if (row == last || row->number != tag >> 3) return nullptr;
-    if (!varint(at, end, &size) || size != static_cast<size_t>(end - at)) return nullptr;
+    if (!varint(at, end, &size) || size > static_cast<size_t>(end - at)) return nullptr;
     payload_ = at;
     payload_size_ = size;
-    return row;
+    envelope_ = data;
+    envelope_size_ = envelope_size;
+    at += size;
+    if (!row->is_signed) return at == end ? row : nullptr;
+    if (static_cast<size_t>(end - at) != signature_size_ || !varint(at, end, &tag)) return nullptr;
+    const bool is_signature = tag == (bridge_.signature << 3 | DELIMITED) && *at == SIGNATURE;
+    return is_signature && end - at == 1 + SIGNATURE ? row : nullptr;
+  }
+
+  // The key that has signed the envelope for a row; null if Python has to judge it.
+  rl_stream *stream_of(const rl_row &row) const {
+    const uint8_t id = envelope_[envelope_size_ - SIGNATURE];
+    if ((row.signers[id / 64] >> id % 64 & 1) == 0) return nullptr;
+    rl_stream *const *const last = bridge_.streams + bridge_.n_streams;
+    rl_stream *const *const found =
+        std::find_if(bridge_.streams, last, [id](const rl_stream *one) { return one->key.id == id; });
+    if (found == last) return nullptr;
+    const uint64_t timestamp = roverlink_timestamp(envelope_, envelope_size_);
+    if (timestamp <= (*found)->key.last || timestamp > (*found)->plausible) return nullptr;
+    return roverlink_is_authentic(&(*found)->key, envelope_, envelope_size_) ? *found : nullptr;
+  }
+
+  void accept(rl_stream &stream) const {
+    const uint64_t timestamp = roverlink_timestamp(envelope_, envelope_size_);
+    if (timestamp > load(stream.clock->now.last)) hear(*stream.clock, timestamp);
+    store(stream.key.last, timestamp);
   }
 
   // Publishes the payload on all topics of its row. Returns false, without having published anything, if the datagram
   // has to be handed over.
   bool publish(const rl_row &row, const rl_datagram &datagram, const Burst &burst) {
-    if (!load(row.native) || datagram.size > load(row.longest)) return false;
-    if (load(bridge_.checks_senders) && !is_admitted(row, datagram)) return false;
+    if (!load(row.native) || (envelope_size_ > row.longest && !load(bridge_.forwards_all))) return false;
+    bucket_ = nullptr;
+    if (load(bridge_.checks_senders) && !is_admitted(row, datagram, burst)) return false;
+    rl_stream *const stream = row.is_signed ? stream_of(row) : nullptr;
+    if (row.is_signed && stream == nullptr) return false;
     // The messages of a topic keep their order.
     const uint32_t *const others = burst.handed_over_rows, *const end = others + burst.n_handed_over;
     if (std::find(others, end, row.number) != end) return false;
@@ -187,12 +233,15 @@ class Loop {
                     static_cast<int32_t>(burst.arrived.tv_sec), static_cast<uint32_t>(burst.arrived.tv_nsec),
                     messages_.get() + used, &size) != RL_OK)
         return false;
+      if (topic.pacer != nullptr && size > topic.pacer->room) return false;
       sizes_[index] = size;
       used += (size + 7) & ~size_t{7};
       if (is_wanted) to_write |= uint64_t{1} << index;
       if (topic.observed) observed += room_of(size);
     }
     if (observed != 0 && !has_room(*bridge_.observers, observed)) return false;
+    if (stream != nullptr) accept(*stream);
+    if (bucket_ != nullptr) bucket_->allowance -= 1;
     const int64_t now = observed != 0 ? monotonic_ns() : 0;
     if (bridge_.observed) put(*bridge_.observers, bridge_.n_topics, now, datagram.data, datagram.size);
     used = 0;
@@ -201,7 +250,11 @@ class Loop {
       if (size == 0) continue;
       rl_topic &topic = bridge_.topics[row.first_topic + index];
       uint8_t *const message = messages_.get() + used;
-      if ((to_write >> index & 1) == 0 || write(topic, message, size)) {
+      const Turn turn = topic.pacer == nullptr ? Turn::PASSES : offer(*topic.pacer, message, size);
+      if (turn == Turn::WAITS) waiting_[n_waiting_++] = row.first_topic + index;
+      if (turn != Turn::PASSES) {
+        // Python publishes it, or a newer one.
+      } else if ((to_write >> index & 1) == 0 || write(topic, message, size)) {
         add(topic.published, 1);
         if (topic.observed) put(*bridge_.observers, row.first_topic + index, now, message, size);
       } else {
@@ -213,10 +266,20 @@ class Loop {
   }
 
   // Python has decided once that the row may come from the sender, and learns nothing from another datagram.
-  bool is_admitted(const rl_row &row, const rl_datagram &datagram) {
+  bool is_admitted(const rl_row &row, const rl_datagram &datagram, const Burst &burst) {
+    bucket_ = bucket_of(row, datagram);
+    if (bucket_ == nullptr || bucket_->rate == HUGE_VAL) return bucket_ != nullptr;
+    // Python may have taken a token after the burst began.
+    const double now = std::max(bucket_->at, static_cast<double>(burst.began) * 1e-9);
+    bucket_->allowance = std::min(bucket_->burst, bucket_->allowance + (now - bucket_->at) * bucket_->rate);
+    bucket_->at = now;
+    return bucket_->allowance >= 1;
+  }
+
+  rl_bucket *bucket_of(const rl_row &row, const rl_datagram &datagram) {
     const auto index = static_cast<uint32_t>(&row - bridge_.rows);
-    if (datagram.sender == nullptr || datagram.sender_size > sizeof(Sender::address)) return false;
-    if (index >= ADMITTED * 64) return false;
+    if (datagram.sender == nullptr || datagram.sender_size > sizeof(Sender::address)) return nullptr;
+    if (index >= ADMITTED * 64) return nullptr;
     if (const uint32_t now = load(bridge_.senders); now != senders_as_of_) {
       std::fill(senders_, senders_ + SENDERS, Sender{});
       senders_as_of_ = now;
@@ -225,15 +288,16 @@ class Loop {
     const bool is_known = sender.size == datagram.sender_size &&
                           std::memcmp(sender.address, datagram.sender, datagram.sender_size) == 0;
     const uint64_t bit = uint64_t{1} << index % 64;
-    if (is_known && (sender.rows[index / 64] & bit) != 0) return true;
-    if (bridge_.calls.admit(index, &datagram) != 1) return false;
+    if (is_known && (sender.rows[index / 64] & bit) != 0) return sender.bucket;
+    rl_bucket *const bucket = bridge_.calls.admit(index, &datagram);
+    if (bucket == nullptr) return nullptr;
     if (!is_known) {
       sender = {};
       sender.size = static_cast<uint32_t>(datagram.sender_size);
       std::memcpy(sender.address, datagram.sender, datagram.sender_size);
     }
     sender.rows[index / 64] |= bit;
-    return true;
+    return sender.bucket = bucket;
   }
 
   static size_t place_of(const rl_datagram &datagram) {
@@ -285,30 +349,45 @@ class Loop {
     unpublished_[n_unpublished_++] = topic;
   }
 
-  int tell_unpublished() {
+  int tell() {
     for (uint32_t index = 0; index < n_unpublished_; ++index)
       if (const int ended = bridge_.calls.not_published(unpublished_[index])) return ended;
     n_unpublished_ = 0;
+    for (uint32_t index = 0; index < n_waiting_; ++index)
+      if (const int ended = bridge_.calls.wait(waiting_[index])) return ended;
+    n_waiting_ = 0;
     return 0;
   }
 
-  int hand_over(Burst &burst) {
-    if (burst.n_handed_over == 0) return 0;
+  // Finishes what has been done for the datagrams so far, and hands the others over.
+  int settle(Burst &burst) {
     flush();
+    if (const int ended = forward(burst)) return ended;
+    if (handled_ != 0) note_latency(burst.began);
     const uint32_t count = burst.n_handed_over;
     burst.n_handed_over = 0;
-    return bridge_.calls.handle(burst.handed_over, count);
+    burst.is_urgent = false;
+    return count != 0 ? bridge_.calls.handle(burst.handed_over, count) : 0;
   }
 
-  int forward(const Burst &burst) {
+  int forward(Burst &burst) {
+    const bool as_they_are = load(bridge_.forwards_all);
     for (uint32_t index = 0; index < bridge_.n_destinations; ++index) {
       rl_destination &destination = bridge_.destinations[index];
+      const rl_signer *const signer = as_they_are ? nullptr : destination.signer;
       rl_datagram chosen[RL_BURST];
       uint32_t count = 0;
-      for (uint32_t other = 0; other < burst.size; ++other)
-        if (burst.forward[other] >> index & 1) chosen[count++] = burst.datagrams[other];
+      for (uint32_t other = 0; other < burst.size; ++other) {
+        if (burst.sizes[other] == 0 || !(as_they_are || (burst.forward[other] >> index & 1))) continue;
+        chosen[count] = burst.datagrams[other];
+        if (!as_they_are) chosen[count].size = burst.sizes[other];
+        ++count;
+      }
       for (uint32_t done = 0; done < count;) {
-        const uint32_t sent = send_all(load(*destination.socket), destination.segments, chosen + done, count - done);
+        const int socket = load(*destination.socket);
+        const uint32_t sent = signer != nullptr
+                                  ? send_signed(socket, destination.segments, *signer, chosen + done, count - done)
+                                  : send_all(socket, destination.segments, chosen + done, count - done);
         add(destination.forwarded, sent);
         done += sent;
         // Python tries to send what could not be sent, and says why.
@@ -316,6 +395,7 @@ class Loop {
           if (const int ended = bridge_.calls.send(index, chosen + done++, 1)) return ended;
       }
     }
+    std::fill(burst.sizes, burst.sizes + burst.size, size_t{0});
     return 0;
   }
 
@@ -332,15 +412,20 @@ class Loop {
   static constexpr uint32_t WRITES = RL_BURST * TOPICS;  // of one burst, at most
 
   rl_bridge &bridge_;
+  const size_t stride_;          // bytes of a slot, with room for a signature
+  const size_t signature_size_;  // bytes of the signature's field
   Memory<uint8_t> bytes_, messages_;
   Memory<Reading> reading_;
-  const uint8_t *payload_ = nullptr;
-  size_t payload_size_ = 0;
+  const uint8_t *payload_ = nullptr, *envelope_ = nullptr;
+  size_t payload_size_ = 0, envelope_size_ = 0;
   size_t sizes_[TOPICS] = {};
   int32_t touched_[WRITES] = {};
   uint32_t n_touched_ = 0;
   uint32_t unpublished_[WRITES] = {};
   uint32_t n_unpublished_ = 0;
+  uint32_t waiting_[RL_BURST] = {};  // of a row, only its own topic has a pacer
+  uint32_t n_waiting_ = 0;
+  rl_bucket *bucket_ = nullptr;  // of the sender of the datagram
   Sender senders_[SENDERS] = {};
   uint32_t senders_as_of_ = 0;
   uint64_t handled_ = 0;

@@ -3,10 +3,12 @@
 
 #include "frame.hpp"
 #include "memory.hpp"
+#include "pacing.hpp"
 #include "roverlink/bridge.h"
 #include "ring.hpp"
 #include "sending.hpp"
 #include "shared_counts.hpp"
+#include "signing.hpp"
 #include "times.hpp"
 
 namespace roverlink {
@@ -75,10 +77,12 @@ class Server {
     void *samples[MOST] = {};
     rl_sample_info infos[MOST];
     const int32_t count = server_.reading.take(topic->reader, samples, most, infos, EVERYTHING);
+    int32_t newest = count - 1;
+    while (newest > 0 && !infos[newest].valid_data) --newest;
     int ended = 0;
     for (int32_t one = 0; one < count; ++one) {
       // A sample without valid data says that an instance was disposed; ROS topics have no instances.
-      if (ended == 0 && infos[one].valid_data) ended = handle(index, *topic, samples[one]);
+      if (ended == 0 && infos[one].valid_data) ended = handle(index, *topic, samples[one], one == newest);
       server_.reading.unref(samples[one]);
     }
     // Python reads again, and raises the error.
@@ -86,23 +90,31 @@ class Server {
     return ended != 0 ? ended : send(index, *topic);
   }
 
-  int handle(uint32_t index, rl_subscription &topic, const void *sample) {
+  int handle(uint32_t index, rl_subscription &topic, const void *sample, bool is_newest) {
     const size_t size = server_.reading.size(sample);
     if (size <= ROOM) {
       server_.reading.bytes(sample, 0, size, message_.get());
       if (free_ < ROOM / 2 || n_datagrams_ == MOST)
         if (const int ended = send(index, topic)) return ended;
-      size_t written = free_ - HEADER;
+      uint8_t *const end = out_.get() + free_ - (topic.signer != nullptr ? SIGNATURE_ROOM : 0);
+      size_t written = static_cast<size_t>(end - out_.get()) - HEADER;
       if (rl_to_proto(server_.table, topic.translation, server_.workspace, message_.get(), size,
                       out_.get() + HEADER, &written) == RL_OK) {
-        uint8_t *const end = out_.get() + free_;
         uint8_t *begin = write_varint_before(end - written, written);
         begin = write_varint_before(begin, uint64_t{topic.number} << 3 | DELIMITED);
-        const auto made = static_cast<size_t>(end - begin);
-        if (observe(index, topic, size, made)) {
+        auto made = static_cast<size_t>(end - begin);
+        if (topic.strips_zeros) made = without_zeros(begin, made);
+        const bool is_paced = topic.pacer != nullptr;
+        if ((!is_paced || size <= topic.pacer->room) && observe(index, topic, size, made)) {
+          add(topic.taken, 1);
+          if (is_paced && !is_newest) {
+            add(topic.pacer->superseded, 1);
+            return 0;
+          }
+          const Turn turn = is_paced ? offer(*topic.pacer, message_.get(), size) : Turn::PASSES;
+          if (turn != Turn::PASSES) return turn == Turn::WAITS ? server_.calls.wait(index) : 0;
           datagrams_[n_datagrams_++] = {begin, made, nullptr, 0};
           free_ = static_cast<size_t>(begin - out_.get());
-          add(topic.taken, 1);
           return 0;
         }
       }
@@ -133,7 +145,10 @@ class Server {
   int send(uint32_t index, rl_subscription &topic) {
     for (uint32_t done = 0; done < n_datagrams_;) {
       const int32_t socket = load(topic.native) ? load(*topic.socket) : -1;
-      const uint32_t sent = send_all(socket, topic.segments, datagrams_ + done, n_datagrams_ - done);
+      const uint32_t rest = n_datagrams_ - done;
+      const uint32_t sent = topic.signer != nullptr
+                                ? send_signed(socket, topic.segments, *topic.signer, datagrams_ + done, rest)
+                                : send_all(socket, topic.segments, datagrams_ + done, rest);
       if (sent != 0) store(topic.sent_at, monotonic_ns());
       add(topic.sent, sent);
       for (uint32_t one = done; (topic.observed & 2) != 0 && one < done + sent; ++one)

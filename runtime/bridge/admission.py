@@ -29,7 +29,7 @@ class Admission:
         payloads of some peers.
         """
         self._make, self._drop = translator, drop
-        self._gate = SourceGate(registry.peers)
+        self.gate = SourceGate(registry.peers)
         self._translators: dict[frozenset[str], Translator] = {}
         self._refused: frozenset[str] = frozenset()
 
@@ -38,10 +38,6 @@ class Admission:
         self._refused = rows
         for translator in tuple(self._translators.values()):
             translator.refuse(rows)
-
-    def always_admits(self, source: Address, peer: str) -> bool:
-        """Return true if all datagrams of a peer are admitted from an address, at any rate."""
-        return self._gate.always_admits(source, peer)
 
     def sort(self, batch: Iterable[tuple[bytes, Address]], now: float) -> Mapping[Translator, list[bytes]]:
         """Group the admitted datagrams of a batch by translator.
@@ -52,7 +48,7 @@ class Admission:
         admitted: defaultdict[Translator, list[bytes]] = defaultdict(list)
         for datagram, source in batch:
             try:
-                peers = self._gate.admit(source, now)
+                peers = self.gate.admit(source, now)
             except DatagramError as error:
                 self._drop(error)
             else:

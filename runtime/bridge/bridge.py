@@ -48,7 +48,7 @@ from roverlink.runtime.native.core import NoCoreError, open_core
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.destination import Destination
 from roverlink.runtime.net.hosts import Sender
-from roverlink.runtime.net.sources import restricts_sources
+from roverlink.runtime.net.sources import UNLIMITED, Source, restricts_sources
 from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 from roverlink.runtime.text.host_names import LEARN
@@ -300,11 +300,11 @@ class Bridge:
             way = NativeWay(
                 self._registry,
                 open_core(self._registry),
-                lambda row: self._inbound_rows[row].publisher,
+                self._inbound_rows,
                 self._extra_topics.publishers,
                 outbound,
                 self._ends.destinations,
-                self._signed_peers.must_sign,
+                self._signed_peers,
                 [one for one in self._observers if isinstance(one, DatagramObserver)],
             )
         except (NoCoreError, AttributeError, OSError) as error:  # the middleware's library may be another version
@@ -316,15 +316,16 @@ class Bridge:
             wake,
             self._parameters.max_datagram + 1,
             self._not_accepted,
+            lambda row: self._inbound_rows[row].wake(),
             lambda destination, datagrams: self._forwarding.hand_on(datagrams, destination),
-            self._is_settled,
+            self._settled,
             lambda: self._counters.count_received(0),
         )
         way.follow(self._parameters.forward_policy)
         self.way = way.summary()
         if not way.is_used:
             return None
-        self._ends.on_learned = way.loop.forget_senders
+        self._ends.on_learned = self._admission.gate.on_forgotten = way.loop.forget_senders
         if self._link is not None:
             self._link.native = way
         return way
@@ -346,11 +347,13 @@ class Bridge:
         self._native.loop.pass_to(handle, _WITH_SENDER[reader])
         self._receiver.use(self._native.loop)
 
-    def _is_settled(self, row: str, sender: Sender) -> bool:
-        """Return true if another datagram of a row from a sender needs no decision: neither admission nor learning."""
-        peer = self._registry.by_name[row].route.peer
-        is_admitted = not self._restricts(self._parameters) or self._admission.always_admits(sender.ip, peer)
-        return is_admitted and self._ends.knows(row, sender.address)
+    def _settled(self, row: str, sender: Sender) -> Source | None:
+        """Return a sender if another datagram of a row from it needs no decision but its rate: it teaches nothing."""
+        if not self._ends.knows(row, sender.address):
+            return None
+        if not self._restricts(self._parameters):
+            return UNLIMITED
+        return self._admission.gate.source(sender.ip, self._registry.by_name[row].route.peer)
 
     def _restricts(self, parameters: Parameters) -> bool:
         """Return true if senders are checked: the table restricts those of a peer, and the policy says so."""

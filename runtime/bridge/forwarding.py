@@ -89,8 +89,8 @@ class Forwarding:
             self.hand_on(fitting, destination)
 
     def hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:
-        """Send datagrams that the end may get to its destination, signed if it wants them so, and count them."""
-        self._hand_on(datagrams, destination, self._send)
+        """Send datagrams that the end may get to its destination, in the form of the policy, and count them."""
+        self._hand_on(datagrams, destination, self._send_raw if self._to_all else self._send)
 
     def _fitting(self, datagrams: Sequence[bytes], limit: int, peer: str) -> list[bytes]:
         """Return the datagrams with at most ``limit`` bytes, and count the others."""

@@ -10,8 +10,9 @@ from pathlib import Path
 from roverlink.runtime.bridge import forwarding, to_peer
 from roverlink.runtime.core.envelope import restore, strip_trailing_zeros
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.registry import Registry
-from roverlink.runtime.core.signing import Signer
+from roverlink.runtime.core.signing import Signer, Stream
 from roverlink.runtime.core.translator import Translator, VerifyingTranslator
 from roverlink.runtime.keys.signed_links import SignedLinks
 from roverlink.runtime.net.destination import Destination
@@ -73,10 +74,17 @@ class SignedPeers:
 
         return forward if senders else send
 
+    def signer(self, peer: str, board: str) -> Signer | None:
+        """Return the signer of what goes to a peer or its board; None if the peer need not sign."""
+        return self._links.signer((board, peer)) if self._links is not None and peer in self.must_sign else None
+
+    def streams(self, route: Route) -> list[Stream]:
+        """Return what the keys have signed that may sign the datagrams of a row whose peer must sign."""
+        streams = self._links.verifier.streams.values() if self._links is not None else ()
+        return [stream for stream in streams if stream.sender in (route.peer, route.board)]
+
     def _sender(self, peer: str, board: str) -> _SignedSender | None:
-        if self._links is None or peer not in self.must_sign:
-            return None
-        signer = self._links.signer((board, peer))
+        signer = self.signer(peer, board)
         strips_zeros = self._registry.peers_by_name[peer].strip_trailing_zeros
         return None if signer is None else _SignedSender(signer, strips_zeros)
 

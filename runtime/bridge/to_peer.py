@@ -20,6 +20,7 @@ from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.core.translator import Translator
 from roverlink.runtime.middleware import Subscription
+from roverlink.runtime.native.shared_lock import SharedLock
 from roverlink.runtime.text.assignments import payload_from_assignments
 
 _STOP_COPIES = 3
@@ -43,15 +44,18 @@ class OutboundRow:
         self._handler, self._translator, self._send = handler, translator, send
         self._account, self._warnings = account, warnings
         self.name = handler.route.name
-        self._lock = threading.Lock()
+        self.lock: threading.Lock | SharedLock = threading.Lock()
+        """Lock to hold while messages are limited and sent."""
         rate, deadman = handler.route.max_rate, handler.route.deadman
-        self._pacer = Pacer(rate) if rate else None
+        self.pacer = Pacer(rate) if rate else None
+        """Limit of the rate; None without one."""
         self._watchdog: Watchdog | None = None
         self._stop = b""
         if deadman:
             self._watchdog = Watchdog(deadman.after_ms / 1000, deadman.repeat_ms / 1000, time.monotonic())
             self._stop = translator.datagram(handler, payload_from_assignments(handler.payload_type, deadman.send))
-        self._wake: Callable[[], None] = lambda: None
+        self.wake: Callable[[], None] = lambda: None
+        """Function that wakes the timekeeper of this row."""
         self.refused = False
         """True if no message is sent, because the peer has another schema of the row's payload.
 
@@ -63,7 +67,7 @@ class OutboundRow:
     @property
     def is_timed(self) -> bool:
         """True if the row has a rate limit or a watchdog, so that a `Timekeeper` has to run it."""
-        return self._pacer is not None or self._watchdog is not None
+        return self.pacer is not None or self._watchdog is not None
 
     def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
         """Store ``wake``, the function that wakes the timekeeper of this row.
@@ -71,7 +75,7 @@ class OutboundRow:
         Returns a `PublisherWatch` for ``subscription`` if the topic has a watchdog, else None. The caller must run the
         `PublisherWatch` as a timed task.
         """
-        self._wake = wake
+        self.wake = wake
         return PublisherWatch(subscription, self._watchdog, wake) if self._watchdog else None
 
     def take(self, messages: Sequence[bytes]) -> None:
@@ -79,34 +83,34 @@ class OutboundRow:
 
         The middleware calls this with the messages that have arrived.
         """
-        with self._lock:
+        with self.lock:
             self._account.taken[self.name] += len(messages)
             if self._ended:
                 self._account.superseded[self.name] += len(messages)
                 return
-            if self._pacer is not None:
-                messages, superseded = self._pacer.offer(messages, time.monotonic())
+            if self.pacer is not None:
+                messages, superseded = self.pacer.offer(messages, time.monotonic())
                 self._account.superseded[self.name] += superseded
             if messages:
                 self._pass_on(messages)
             else:
-                self._wake()
+                self.wake()
 
     def run_due(self, now: float) -> None:
         """Send the stop if it is due; otherwise send the waiting message if the rate limit allows it now."""
         if self._watchdog and self._stop_is_due(self._watchdog, now):
             self._tell_to_stop()
-        elif self._pacer is not None and self._lock.acquire(blocking=False):
+        elif self.pacer is not None and self.lock.acquire(blocking=False):
             try:
-                if (message := self._pacer.take(now)) is not None:
+                if (message := self.pacer.take(now)) is not None:
                     self._pass_on([message])
             finally:
-                self._lock.release()
+                self.lock.release()
 
     @property
     def next_due(self) -> float:
         """Time at which `run_due` has something to do, unless a message arrives before."""
-        slot = self._pacer.next_slot if self._pacer else None
+        slot = self.pacer.next_slot if self.pacer else None
         stop = self._watchdog.next_due if self._watchdog else math.inf
         return stop if slot is None else min(slot, stop)
 
@@ -115,7 +119,7 @@ class OutboundRow:
 
         Call it when no more messages arrive.
         """
-        message = self._pacer.withdraw() if self._pacer else None
+        message = self.pacer.withdraw() if self.pacer else None
         if self._watchdog is None:
             if message is not None:
                 self._pass_on([message])
@@ -143,7 +147,7 @@ class OutboundRow:
 
     def send_again(self, datagram: bytes) -> None:
         """Send a datagram that the native core has made but could not send, and count it."""
-        with self._lock:
+        with self.lock:
             if self._ended:
                 self._account.superseded[self.name] += 1
             else:
@@ -179,9 +183,9 @@ class OutboundRow:
 
     def _tell_to_stop(self) -> None:
         """Send the stop and discard the waiting message, so that no older command follows the stop."""
-        if self._pacer is not None and self._lock.acquire(blocking=False):
-            self._account.superseded[self.name] += self._pacer.withdraw() is not None
-            self._lock.release()
+        if self.pacer is not None and self.lock.acquire(blocking=False):
+            self._account.superseded[self.name] += self.pacer.withdraw() is not None
+            self.lock.release()
         self._account.stops[self.name] += self._send([self._stop])
 
 

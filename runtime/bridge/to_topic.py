@@ -12,6 +12,7 @@ from roverlink.runtime.bridge.pacing import Pacer
 from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.middleware import NOT_ACCEPTED, Publisher
+from roverlink.runtime.native.shared_lock import SharedLock
 
 Drop = Callable[[DatagramError], None]
 
@@ -23,6 +24,12 @@ class InboundRow:
         self._route, self._publish, self._account, self._drop = route, publisher.publish, account, drop
         self.publisher = publisher
         """Publisher of the row's own topic."""
+        self.pacer: Pacer | None = None
+        """Limit of the rate; None without one."""
+        self.lock: threading.Lock | SharedLock = threading.Lock()
+        """Lock to hold while messages are limited and published."""
+        self.wake: Callable[[], None] = lambda: None
+        """Function that wakes the timekeeper of a row with a limit."""
 
     def take(self, messages: Sequence[bytes]) -> None:
         """Publish messages in order. The messages that the middleware does not accept count as dropped."""
@@ -46,17 +53,15 @@ class PacedInboundRow(InboundRow):
 
     def __init__(self, route: Route, publisher: Publisher, account: Account, drop: Drop, rate: float) -> None:
         super().__init__(route, publisher, account, drop)
-        self._pacer = Pacer(rate)
-        self._lock = threading.Lock()
-        self.wake: Callable[[], None] = lambda: None
+        self.pacer: Pacer = Pacer(rate)
 
     def take(self, messages: Sequence[bytes]) -> None:
         """Publish the newest message, or let it wait if the rate limit forbids it now.
 
         The other messages, and a message that waited before, count as superseded.
         """
-        with self._lock:
-            passing, superseded = self._pacer.offer(messages, time.monotonic())
+        with self.lock:
+            passing, superseded = self.pacer.offer(messages, time.monotonic())
             self._account.dropped[Reason.SUPERSEDED.value] += superseded
             if passing:
                 super().take(passing)
@@ -67,20 +72,20 @@ class PacedInboundRow(InboundRow):
     def run_due(self, now: float) -> None:
         """Publish the waiting message if the rate limit allows it now."""
         # If the receiving thread holds the lock, it is publishing right now; the next round looks again.
-        if self._lock.acquire(blocking=False):
+        if self.lock.acquire(blocking=False):
             try:
-                if (message := self._pacer.take(now)) is not None:
+                if (message := self.pacer.take(now)) is not None:
                     super().take([message])
             finally:
-                self._lock.release()
+                self.lock.release()
 
     @property
     def next_due(self) -> float:
         """Time at which the waiting message may be published; infinity if none waits."""
-        slot = self._pacer.next_slot
+        slot = self.pacer.next_slot
         return math.inf if slot is None else slot
 
     def end(self) -> None:
         """Publish the waiting message, if any. Call it when no more datagrams arrive."""
-        if (message := self._pacer.withdraw()) is not None:
+        if (message := self.pacer.withdraw()) is not None:
             super().take([message])

@@ -20,12 +20,14 @@ ahead of the computer's clock.
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
 import hmac
 import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
 from roverlink.runtime.core.envelope import restore
@@ -65,12 +67,20 @@ class Key:
     """32 random bytes."""
 
 
-class SigningClock:
+class SigningClock(ctypes.Structure):
     """Clock of the timestamps of a program on one link. Each one is larger than all before. Thread-safe.
 
     It follows the computer's clock, but never goes back: it continues from the latest time that it knows. This may be
-    the time of the last run, or that of the other end.
+    the time of the last run, or that of the other end. The native core uses its memory, too (`rl_clock` in bridge.h).
     """
+
+    _fields_ = (("last", ctypes.c_uint64), ("offset", ctypes.c_int64), ("shared_lock", ctypes.c_void_p))
+    last: int
+    """The latest timestamp that was used, or heard of the other end."""
+    offset: int
+    """Timestamp at the time 0 of the steady clock."""
+    shared_lock: int | None
+    """Address of the lock in ``lock`` if the native core uses the clock."""
 
     def __init__(
         self,
@@ -84,20 +94,20 @@ class SigningClock:
         ``made`` is the timestamp at which the link's keys were made: it is later now, whatever the computer's clock
         says.
         """
+        last = max(earliest, ticks(wall()))
+        super().__init__(last, last - steady() // _TICK_NS)
         self._wall, self._steady, self._made = wall, steady, made
-        self._lock = threading.Lock()
-        self.last = max(earliest, ticks(wall()))
-        """The latest timestamp that was used, or heard of the other end."""
-        self._offset = self.last - steady() // _TICK_NS
+        self.lock: AbstractContextManager[object] = threading.Lock()
+        """Lock of the other members."""
 
     def next(self) -> int:
         """Return a timestamp that is larger than all earlier ones."""
-        with self._lock:
+        with self.lock:
             steady = self._steady() // _TICK_NS
             # In steps of the steady clock even if the computer's clock is set back: a receiver that starts again adds a
             # second to the timestamp that it had stored, and expects that we have reached it.
-            self._offset = max(self._offset, ticks(self._wall()) - steady)
-            self.last = min(max(self.last + 1, steady + self._offset), _LARGEST)
+            self.offset = max(self.offset, ticks(self._wall()) - steady)
+            self.last = min(max(self.last + 1, steady + self.offset), _LARGEST)
             return self.last
 
     def ahead(self, timestamp: int) -> int:
@@ -107,10 +117,10 @@ class SigningClock:
 
     def hear(self, timestamp: int) -> None:
         """Continue from a verified timestamp of the other end if it is later."""
-        with self._lock:
+        with self.lock:
             if timestamp > self.last:
                 self.last = timestamp
-                self._offset = max(self._offset, timestamp - self._steady() // _TICK_NS)
+                self.offset = max(self.offset, timestamp - self._steady() // _TICK_NS)
 
 
 class Signer:
@@ -118,30 +128,38 @@ class Signer:
 
     def __init__(self, number: int, key: Key, clock: SigningClock) -> None:
         """Prepare the key; ``number`` is the field number of the envelope's signature."""
+        self.number, self.key, self.clock = number, key, clock
         self._start = _field_start(number) + bytes([key.id])
-        self._keyed, self._clock = _keyed(key), clock
-        self.lock = threading.Lock()
+        self._keyed = _keyed(key)
+        self.lock: AbstractContextManager[object] = threading.Lock()
         """Lock to hold while datagrams are signed and sent, if several threads do it: the order must not change."""
 
     def sign(self, datagram: bytes) -> bytes:
         """Return a datagram with a signature at its end. The datagram must have no stripped or appended zeros."""
-        signed = datagram + self._start + self._clock.next().to_bytes(6, "little")
+        signed = datagram + self._start + self.clock.next().to_bytes(6, "little")
         mac = self._keyed.copy()
         mac.update(signed)
         return signed + mac.digest()
 
 
-@dataclass(slots=True)
-class _Stream:
-    """Datagrams that are signed with one key."""
+class Stream(ctypes.Structure):
+    """Datagrams that are signed with one key. The native core uses its memory, too (`rl_stream` in bridge.h)."""
 
-    sender: str
-    keyed: hashlib.blake2s
+    _fields_ = (
+        ("id", ctypes.c_uint8),
+        ("secret", ctypes.c_uint8 * KEY_BYTES),
+        ("last", ctypes.c_uint64),
+        ("plausible", ctypes.c_uint64),
+        ("link", ctypes.POINTER(SigningClock)),
+    )
     last: int
     """Latest timestamp that was accepted."""
-    clock: SigningClock
-    plausible: int = 0
+    plausible: int
     """Latest timestamp that needs no look at the computer's clock, because looking takes time."""
+
+    def __init__(self, key: Key, last: int, clock: SigningClock) -> None:
+        super().__init__(key.id, (ctypes.c_uint8 * KEY_BYTES)(*key.secret), last, 0, ctypes.pointer(clock))
+        self.sender, self.keyed, self.clock = key.sender, _keyed(key), clock
 
 
 class Verifier:
@@ -153,16 +171,17 @@ class Verifier:
         ``number`` is the field number of the envelope's signature. The clock beside a key is that of its link: it hears
         the timestamps that are accepted.
         """
-        self._number = number
+        self.number = number
         self._start = _field_start(number)
         self._size = len(self._start) + SIGNATURE_BYTES
-        self._streams = {key.id: _Stream(key.sender, _keyed(key), last, clock) for key, last, clock in keys}
+        self.streams = {key.id: Stream(key, last, clock) for key, last, clock in keys}
+        """What is signed with each key, by the key's id."""
         self.ahead: Counter[str] = Counter()
         """Accepted datagrams that were more than a minute ahead of the computer's clock, by their signer."""
 
     def lasts(self) -> Mapping[int, int]:
         """Return the latest accepted timestamp of each key, by the key's id."""
-        return {id: stream.last for id, stream in self._streams.items()}
+        return {id: stream.last for id, stream in self.streams.items()}
 
     def verify(self, datagram: bytes, senders: Collection[str], row: str = "") -> str:
         """Return which of ``senders`` has signed a datagram that is newer than all before of its key.
@@ -194,7 +213,7 @@ class Verifier:
         stream.last = timestamp
         return stream.sender
 
-    def _check_clock(self, stream: _Stream, timestamp: int, row: str) -> None:
+    def _check_clock(self, stream: Stream, timestamp: int, row: str) -> None:
         """Count a timestamp that is ahead of the computer's clock. Raises `DatagramError` if it is too far ahead."""
         ahead = stream.clock.ahead(timestamp)
         if ahead > _FURTHEST_AHEAD:
@@ -205,11 +224,11 @@ class Verifier:
         else:
             stream.plausible = timestamp - ahead + NOTABLY_AHEAD
 
-    def _authentic(self, datagram: bytes) -> _Stream | DatagramError:
+    def _authentic(self, datagram: bytes) -> Stream | DatagramError:
         """Return the stream of the key that has signed these bytes, or the error if there is none."""
         if datagram[-self._size : -SIGNATURE_BYTES] != self._start:
             return self._without_signature(datagram)
-        stream = self._streams.get(datagram[-SIGNATURE_BYTES])
+        stream = self.streams.get(datagram[-SIGNATURE_BYTES])
         if stream is None:
             message = f"no key file has the key {datagram[-SIGNATURE_BYTES]} that a datagram is signed with"
             return DatagramError(Reason.UNKNOWN_KEY, message)
@@ -221,13 +240,13 @@ class Verifier:
         return DatagramError(Reason.WRONG_SIGNATURE, message)
 
     def _without_signature(self, datagram: bytes) -> DatagramError:
-        if all(field.number != self._number for field in fields(datagram)):
+        if all(field.number != self.number for field in fields(datagram)):
             return DatagramError(Reason.UNSIGNED, "a datagram of a peer that must sign has no signature")
         message = f"the signature is not a field of {SIGNATURE_BYTES} bytes at the end of the datagram"
         return DatagramError(Reason.MALFORMED_SIGNATURE, message)
 
 
-def _not_newer(timestamp: int, stream: _Stream, row: str) -> DatagramError:
+def _not_newer(timestamp: int, stream: Stream, row: str) -> DatagramError:
     if timestamp == stream.last:
         return DatagramError(Reason.REPLAYED, f"a datagram of {stream.sender!r} has come twice", row)
     late = (stream.last - timestamp) / TICKS_PER_SECOND

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from typing import Any
 
+from roverlink.runtime.core.signing import KEY_BYTES, SigningClock, Stream
 from roverlink.runtime.native.layout import Table
 
 BUCKETS = 16
@@ -43,6 +44,19 @@ class Ring(ctypes.Structure):
     )
 
 
+class Signer(ctypes.Structure):
+    """Key with which the bridge signs."""
+
+    _fields_ = (
+        ("id", ctypes.c_uint8),
+        ("secret", ctypes.c_uint8 * KEY_BYTES),
+        ("last", ctypes.c_uint64),
+        ("clock", ctypes.POINTER(SigningClock)),
+        ("lock", ctypes.c_void_p),
+        *_words("number", "strips_zeros"),
+    )
+
+
 class MiddlewareFunctions(ctypes.Structure):
     """Addresses of functions of the middleware's library: those of Cyclone DDS, or those of rcl."""
 
@@ -60,6 +74,7 @@ class Topic(ctypes.Structure):
         *_words("observed"),
         ("sertype", ctypes.c_void_p),
         ("publisher", ctypes.c_void_p),
+        ("pacer", ctypes.c_void_p),
         ("paused_until", ctypes.c_int64),
         ("published", ctypes.c_uint64),
     )
@@ -69,7 +84,8 @@ class Row(ctypes.Structure):
     """Inbound row, or the link message."""
 
     _fields_ = (
-        *_words("number", "native", "at_once", "first_topic", "topics", "longest"),
+        *_words("number", "native", "at_once", "first_topic", "topics", "longest", "is_signed", "unused"),
+        ("signers", ctypes.c_uint64 * 4),
         ("forward", ctypes.c_uint64),
         ("handled", ctypes.c_uint64),
     )
@@ -80,21 +96,22 @@ class Destination(ctypes.Structure):
 
     _fields_ = (
         ("socket", ctypes.POINTER(ctypes.c_int32)),
+        ("signer", ctypes.POINTER(Signer)),
         ("forwarded", ctypes.c_uint64),
         *_words("segments", "unused"),
     )
 
 
 Handle = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(Datagram), ctypes.c_uint32)
-NotPublished = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32)
-Admit = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram))
+OfTopic = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32)
+Admit = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_uint32, ctypes.POINTER(Datagram))
 Send = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram), ctypes.c_uint32)
 
 
 class Calls(ctypes.Structure):
     """Calls of Python."""
 
-    _fields_ = (("handle", Handle), ("not_published", NotPublished), ("send", Send), ("admit", Admit))
+    _fields_ = (("handle", Handle), ("not_published", OfTopic), ("wait", OfTopic), ("send", Send), ("admit", Admit))
 
 
 class Bridge(ctypes.Structure):
@@ -106,6 +123,7 @@ class Bridge(ctypes.Structure):
         ("topics", ctypes.POINTER(Topic)),
         ("rows", ctypes.POINTER(Row)),
         ("destinations", ctypes.POINTER(Destination)),
+        ("streams", ctypes.POINTER(ctypes.POINTER(Stream))),
         ("middleware", MiddlewareFunctions),
         ("calls", Calls),
         ("observers", ctypes.POINTER(Ring)),
@@ -113,10 +131,10 @@ class Bridge(ctypes.Structure):
         ("latencies", ctypes.c_uint64 * BUCKETS),
         ("latency_sum", ctypes.c_double),
         ("received", ctypes.c_uint64),
-        *_words("n_topics", "n_rows", "n_destinations", "n_bounds"),
+        *_words("n_topics", "n_rows", "n_destinations", "n_bounds", "n_streams", "signature"),
         ("socket", ctypes.c_int32),
         ("wake", ctypes.c_int32),
-        *_words("largest", "observed", "checks_senders", "senders", "unused", "stopping"),
+        *_words("largest", "observed", "checks_senders", "senders", "forwards_all", "is_ordered", "stopping"),
     )
 
 
@@ -134,7 +152,9 @@ class Subscription(ctypes.Structure):
         ("reader", ctypes.c_int32),
         *_words("native"),
         ("socket", ctypes.POINTER(ctypes.c_int32)),
-        *_words("segments", "observed"),
+        ("signer", ctypes.POINTER(Signer)),
+        ("pacer", ctypes.c_void_p),
+        *_words("segments", "observed", "strips_zeros", "unused"),
         ("taken", ctypes.c_uint64),
         ("sent", ctypes.c_uint64),
         ("sent_at", ctypes.c_int64),
@@ -148,7 +168,7 @@ Pass = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(Datagram))
 class ServingCalls(ctypes.Structure):
     """Calls of Python."""
 
-    _fields_ = (("serve", Serve), ("take", Pass), ("send", Pass))
+    _fields_ = (("serve", Serve), ("take", Pass), ("wait", OfTopic), ("send", Pass))
 
 
 class Server(ctypes.Structure):

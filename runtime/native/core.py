@@ -55,6 +55,9 @@ def load_library(path: Path) -> ctypes.CDLL:
     result = (pointer, ctypes.POINTER(size))
     library.rl_workspace_new.argtypes, library.rl_workspace_new.restype = (size,), pointer
     library.rl_workspace_free.argtypes, library.rl_workspace_free.restype = (pointer,), None
+    for use in (library.rl_lock_take, library.rl_lock_try, library.rl_lock_leave):
+        use.argtypes = (pointer,)
+    library.rl_lock_take.restype = library.rl_lock_leave.restype = None
     library.rl_check.argtypes = (table,)
     library.rl_check_bridge.argtypes = library.rl_receive.argtypes = (ctypes.POINTER(bridge_layout.Bridge),)
     library.rl_serve.argtypes = (ctypes.POINTER(bridge_layout.Server),)

@@ -9,11 +9,12 @@ from __future__ import annotations
 import ctypes
 import socket
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler
+from roverlink.runtime.core.signing import Stream
 from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore, NoCoreError
@@ -22,6 +23,7 @@ from roverlink.runtime.native.observer_ring import ObserverRing
 from roverlink.runtime.native.python_calls import PythonCalls
 from roverlink.runtime.net.destination import Destination, can_segment
 from roverlink.runtime.net.hosts import Sender, sender_of
+from roverlink.runtime.net.sources import Source
 
 ANY_LENGTH = 0xFFFFFFFF
 """Length of the longest datagram of a row whose datagrams may have any length."""
@@ -34,6 +36,14 @@ class InboundTopics:
     handler: AnyHandler
     publishers: Sequence[tuple[AnyHandler | AnyStandardHandler, Any]]
     """Handler and publisher of the row's own topic, then those of its extra topics."""
+    forward: int = 0
+    """Destinations to which the row's datagrams are forwarded: bit by index."""
+    longest: int = ANY_LENGTH
+    """Length in bytes of the longest datagram that all of them take."""
+    pacer: int | None = None
+    """Address of the limit of the rate of the row's own topic."""
+    streams: Sequence[Stream] | None = None
+    """Keys that may sign the datagrams; None if they need no signature."""
 
 
 class NativeCounts(NamedTuple):
@@ -59,17 +69,21 @@ class DatagramLoop:
         self,
         core: NativeCore,
         rows: Sequence[InboundTopics],
-        destinations: Sequence[Destination],
+        destinations: Sequence[tuple[Destination, native.Signer | None]],
+        signature: int,
+        is_ordered: bool,
         at_once: Sequence[int],
         bounds: Sequence[float],
         observers: Sequence[Tap],
     ) -> None:
         """Prepare the loop; no row is native yet (see `rows`).
 
+        ``destinations`` come with the signers of what is forwarded there; ``signature`` is the number of the envelope's
+        field with a signature. With ``is_ordered``, no datagram is handled before an earlier one that is handed over.
         Datagrams with the payload numbers ``at_once`` are handed over before any later one is handled. ``bounds`` are
         those of the histogram of handling times, in seconds. ``observers`` get a copy of each datagram.
         """
-        self._core, self._destinations = core, destinations
+        self._core, self._destinations = core, [destination for destination, _ in destinations]
         self.reasons: dict[str, str] = {}
         """Reason why Python translates the datagrams of a row, by the row's name."""
         able = [row for row in rows if self._is_able(row)]
@@ -81,8 +95,17 @@ class DatagramLoop:
         taps: dict[int, Sequence[Tap]] = {len(self._topics): observers}
         for row in able:
             number = row.handler.route.number
-            numbered[number] = native.Row(number=number, first_topic=first, topics=len(row.publishers))
+            numbered[number] = native.Row(
+                number=number,
+                first_topic=first,
+                topics=len(row.publishers),
+                forward=row.forward,
+                longest=row.longest,
+                is_signed=row.streams is not None,
+                signers=_bits(stream.id for stream in row.streams or ()),
+            )
             for index, (handler, publisher) in enumerate(row.publishers, first):
+                self._topic_structs[index].pacer = row.pacer if handler is row.handler else None
                 self._topic_structs[index].translation = core.index_of(handler)
                 taps[index] = publisher.lend_to(self._topic_structs[index], functions)
                 self._topic_structs[index].observed = bool(taps[index])
@@ -95,10 +118,15 @@ class DatagramLoop:
         """Struct of each row that the core can translate, by the row's name. Its ``native`` says whether it does."""
         self._destination_structs = (native.Destination * len(destinations))(
             *(
-                native.Destination(socket=ctypes.pointer(one.connected_socket), segments=can_segment())
-                for one in destinations
+                native.Destination(
+                    socket=ctypes.pointer(one.connected_socket),
+                    signer=None if signer is None else ctypes.pointer(signer),
+                    segments=can_segment(),
+                )
+                for one, signer in destinations
             )
         )
+        streams = {stream.id: stream for row in able for stream in row.streams or ()}
         self._bounds = (ctypes.c_double * len(bounds))(*bounds)
         self._python = PythonCalls()
         self._look: Callable[[], None] = lambda: None
@@ -110,6 +138,7 @@ class DatagramLoop:
             topics=self._topic_structs,
             rows=self._row_structs,
             destinations=self._destination_structs,
+            streams=(ctypes.POINTER(Stream) * len(streams))(*map(ctypes.pointer, streams.values())),
             middleware=functions,
             observers=ctypes.pointer(self._python.ring.struct) if self._python.ring is not None else None,
             observed=bool(observers),
@@ -118,6 +147,9 @@ class DatagramLoop:
             n_rows=len(self._row_structs),
             n_destinations=len(destinations),
             n_bounds=len(bounds),
+            n_streams=len(streams),
+            signature=signature,
+            is_ordered=is_ordered,
         )
         if core.library.rl_check_bridge(ctypes.byref(self._bridge)):
             raise NoCoreError("the native library refuses the bridge; report this as a bug of roverlink")
@@ -130,8 +162,6 @@ class DatagramLoop:
                 self.reasons[route.name] = f"{handler.route.topic}: {reason}"
             elif not isinstance(publisher, NativePublisher):
                 self.reasons[route.name] = "the middleware publishes in Python"
-        if route.max_rate is not None:
-            self.reasons[route.name] = "max_rate"
         return route.name not in self.reasons
 
     def open(
@@ -140,16 +170,17 @@ class DatagramLoop:
         wake: socket.socket,
         largest: int,
         not_published: Callable[[AnyHandler | AnyStandardHandler], None],
+        wait: Callable[[str], None],
         send: Callable[[Destination, list[bytes]], None],
-        admit: Callable[[str, Sender], bool],
+        admit: Callable[[str, Sender], Source | None],
         look: Callable[[], None],
     ) -> None:
         """Read from ``sock``, at most ``largest`` bytes of a datagram; data on ``wake`` ends the wait for datagrams.
 
-        ``not_published`` gets the handler of a message that the middleware has not accepted. ``send`` gets the
-        datagrams that the core cannot send. If senders are checked, ``admit`` returns true for a row and a sender whose
-        datagrams Python need not see until `forget_senders` is called. ``look`` is called once in two seconds while
-        datagrams arrive.
+        ``not_published`` gets the handler of a message that the middleware has not accepted. ``wait`` gets the name of
+        a row of which a message waits for its time. ``send`` gets the datagrams that the core cannot send. If senders
+        are checked, ``admit`` returns the sender if Python need not see its datagrams of a row until `forget_senders`
+        is called, as long as it keeps its rate. ``look`` is called once in two seconds while datagrams arrive.
         """
         self._look = look
         topics, destinations = self._topics, self._destinations
@@ -159,9 +190,10 @@ class DatagramLoop:
         guarded = self._python.guarded
         self._bridge.calls = native.Calls(
             native.Handle(lambda datagrams, count: guarded(self._hand_over, datagrams, count)),
-            native.NotPublished(lambda topic: guarded(not_published, topics[topic])),
+            native.OfTopic(lambda topic: guarded(not_published, topics[topic])),
+            native.OfTopic(lambda topic: guarded(wait, topics[topic].route.name)),
             native.Send(lambda index, datagrams, count: guarded(send, destinations[index], _bytes(datagrams, count))),
-            native.Admit(lambda index, datagram: admit(rows[index], _sender(datagram[0]))),
+            native.Admit(lambda index, datagram: _address(admit(rows[index], _sender(datagram[0])))),
         )
         self._bridge.socket, self._bridge.wake, self._bridge.largest = sock.fileno(), wake.fileno(), largest
 
@@ -173,6 +205,10 @@ class DatagramLoop:
         self._path = handle, with_sender  # one assignment, because each handler has its own form of batches
         self._bridge.checks_senders = with_sender is not None
         self.forget_senders()
+
+    def follow(self, *, forwards_all: bool) -> None:
+        """Forward all datagrams to all destinations as they are from now on, or those of each row to the row's."""
+        self._bridge.forwards_all = forwards_all
 
     def forget_senders(self) -> None:
         """Ask again which rows may come from which senders."""
@@ -229,8 +265,19 @@ class DatagramLoop:
         return self._bridge.latencies[: len(self._bounds) + 1], self._bridge.latency_sum
 
 
+def _bits(places: Iterable[int]) -> Any:
+    words = (ctypes.c_uint64 * 4)()
+    for place in places:
+        words[place // 64] |= 1 << place % 64
+    return words
+
+
 def _bytes(datagrams: Any, count: int) -> list[bytes]:
     return [native.bytes_of(datagrams[index]) for index in range(count)]
+
+
+def _address(struct: Source | None) -> int | None:
+    return None if struct is None else ctypes.addressof(struct)
 
 
 def _sender(datagram: native.Datagram) -> Sender:

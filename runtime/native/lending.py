@@ -28,6 +28,8 @@ class LentTopic(NamedTuple):
     struct: native.Subscription
     send: Callable[[bytes], None]
     """Function that sends a datagram that the core could not send."""
+    wait: Callable[[], None]
+    """Function that is called when a message waits for its time."""
     taps: Sequence[Tap] = ()
     """Functions that get a copy of each message."""
     datagram_taps: Sequence[Tap] = ()

@@ -47,6 +47,7 @@ class TopicLoop:
         self._calls = native.ServingCalls(
             native.Serve(lambda index, most: guarded(self._topics[index].serve, most)),
             native.Pass(lambda index, one: guarded(self._topics[index].callback, [native.bytes_of(one[0])])),
+            native.OfTopic(lambda index: guarded(self._wait, index)),
             native.Pass(lambda index, one: guarded(self._send, index, native.bytes_of(one[0]))),
         )
         self._server = native.Server()
@@ -95,6 +96,11 @@ class TopicLoop:
         if self._python.ring is not None:
             self._python.ring.__exit__()
             self._python.ring = None
+
+    def _wait(self, index: int) -> None:
+        lent = self._topics[index].lent
+        if lent is not None:
+            lent.wait()
 
     def _send(self, index: int, datagram: bytes) -> None:
         lent = self._topics[index].lent

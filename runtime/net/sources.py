@@ -7,10 +7,10 @@ exhaust the memory.
 
 from __future__ import annotations
 
+import ctypes
 import math
 from collections import OrderedDict
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
 from ipaddress import ip_address, ip_network
 
 from roverlink.runtime.core.errors import DatagramError, Reason
@@ -31,11 +31,13 @@ def restricts_sources(peers: Iterable[Peer]) -> bool:
     return any(peer.sources for peer in peers)
 
 
-@dataclass(slots=True)
-class _Source:
-    """Sender address that belongs to peers, with a token bucket that limits the rate of the sender's datagrams."""
+class Source(ctypes.Structure):
+    """Sender address that belongs to peers, with a token bucket that limits the rate of the sender's datagrams.
 
-    peers: frozenset[str]
+    The native core takes tokens, too, from the same memory (`rl_bucket` in bridge.h).
+    """
+
+    _fields_ = tuple((name, ctypes.c_double) for name in ("rate", "burst", "allowance", "at"))
     rate: float
     """Datagrams a second; infinity for no limit."""
     burst: float
@@ -44,6 +46,11 @@ class _Source:
     """Number of datagrams that may arrive now, in tokens of the bucket."""
     at: float
     """Time of the last change of the allowance."""
+
+    def __init__(self, peers: frozenset[str], rate: float, now: float) -> None:
+        burst = max(_SMALLEST_BURST, rate * _BURST_S)
+        super().__init__(rate, burst, burst, now)
+        self.peers = peers
 
     def take_token(self, now: float) -> bool:
         """Take one token from the bucket at the time ``now``; return false if the bucket is empty."""
@@ -58,6 +65,10 @@ class _Source:
         return True
 
 
+UNLIMITED = Source(frozenset(), math.inf, 0)
+"""Sender of a bridge that restricts none."""
+
+
 class SourceGate:
     """Gate that accepts or refuses a datagram by the address of its sender. To be used from one thread."""
 
@@ -69,7 +80,9 @@ class SourceGate:
             for network in map(ip_network, peer.sources)
         ]
         self._unrestricted = {peer.name for peer in self._peers if not peer.sources}
-        self._known: OrderedDict[Address, _Source] = OrderedDict()
+        self._known: OrderedDict[Address, Source] = OrderedDict()
+        self.on_forgotten: Callable[[], None] = lambda: None
+        """Function that is called when a sender was forgotten."""
 
     def admit(self, address: Address, now: float) -> frozenset[str]:
         """Return the names of the peers to which a sender's address belongs.
@@ -89,12 +102,12 @@ class SourceGate:
             )
         return source.peers
 
-    def always_admits(self, address: Address, peer: str) -> bool:
-        """Return true if `admit` lets all datagrams of a peer pass from an address, at any rate."""
+    def source(self, address: Address, peer: str) -> Source | None:
+        """Return the sender with an address if `admit` lets datagrams of a peer pass from it, at its rate."""
         source = self._known.get(address)
-        return source is not None and source.rate == math.inf and peer in source.peers
+        return source if source is not None and peer in source.peers else None
 
-    def _add(self, address: Address, now: float) -> _Source:
+    def _add(self, address: Address, now: float) -> Source:
         number, length = int.from_bytes(address, "big"), len(address)
         named = {name for name, size, network, mask in self._networks if size == length and number & mask == network}
         peers = named | self._unrestricted
@@ -102,9 +115,9 @@ class SourceGate:
             raise DatagramError(Reason.UNKNOWN_SOURCE, f"{ip_address(address)} is not among the sources of any peer")
         rates = [peer.source_rate or math.inf for peer in self._peers if peer.name in named]
         rate = max(rates, default=math.inf)  # an address of several peers gets the highest of their rates
-        burst = max(_SMALLEST_BURST, rate * _BURST_S)
-        source = self._known[address] = _Source(frozenset(peers), rate, burst, burst, now)
+        source = self._known[address] = Source(frozenset(peers), rate, now)
         # The least recently used address goes: `move_to_end` above keeps the order of use.
         if len(self._known) > _REMEMBERED:
             self._known.popitem(last=False)
+            self.on_forgotten()
         return source

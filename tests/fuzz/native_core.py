@@ -1,9 +1,9 @@
 """Fuzz the native core with libFuzzer, AddressSanitizer and UndefinedBehaviorSanitizer.
 
 ``python tests/fuzz/native_core.py to_cdr -max_total_time=60``: the door ``to_cdr`` takes payloads, ``to_proto`` takes
-serialized ROS 2 messages; what follows goes to libFuzzer. There is a run with the table of the sample rover, which
-begins with messages of a simulated rover and with random ones, and one with the table of the wire cases, which begins
-with these. Needs clang.
+serialized ROS 2 messages, ``receive`` takes datagrams with and without a signature; what follows goes to libFuzzer.
+There is a run with the table of the sample rover, which begins with messages of a simulated rover and with random ones,
+and one with the table of the wire cases, which begins with these. Needs clang.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
+import runpy
 import shutil
 import subprocess
 import sys
@@ -29,9 +30,13 @@ from payloads import random_payload  # noqa: E402
 from generated.registry import REGISTRY  # noqa: E402
 from roverlink.generator.example_payloads import payload_at  # noqa: E402
 from roverlink.runtime import ConversionError, Registry  # noqa: E402
+from roverlink.runtime.core.envelope import strip_trailing_zeros  # noqa: E402
+from roverlink.runtime.core.signing import Key, Signer, SigningClock  # noqa: E402
+from roverlink.runtime.core.wire_format import DELIMITED, encoded_varint  # noqa: E402
 from roverlink.runtime.native.core import open_core  # noqa: E402
 
-_DOORS = ("to_cdr", "to_proto")
+_DOORS = ("to_cdr", "to_proto", "receive")
+_SIGNER = Signer(23, Key(1, "peer", bytes(32)), SigningClock())
 _FLAGS = (
     "-std=c++17 -O1 -g -ffp-contract=off -DRL_GUARD_WORKSPACE "
     "-fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined"
@@ -44,7 +49,8 @@ def main(door: str, options: list[str]) -> int:
         folder = Path(name)
         program = folder / "native_core"
         sources = [*sorted(_ROOT.glob("native/src/*.cpp")), Path(__file__).with_suffix(".cpp")]
-        subprocess.run(["clang++", *_FLAGS.split(), f"-I{_ROOT}/native/include", *sources, "-o", program], check=True)
+        includes = [f"-I{_ROOT / one}" for one in runpy.run_path(str(_ROOT / "hatch_build.py"))["INCLUDES"]]
+        subprocess.run(["clang++", *_FLAGS.split(), *includes, *sources, "-o", program], check=True)
         (folder / "wire").mkdir()
         wire_cases = [*ACCEPTED.values(), *HANDED_OVER.values(), *OTHERS.values()]
         for registry, payloads in ((REGISTRY, []), (wire_project(folder / "wire"), wire_cases)):
@@ -67,11 +73,22 @@ def _inputs(registry: Registry, payloads: list[bytes], door: str) -> Iterator[by
         if not payloads:
             found += [random_payload(handler.payload_type, random) for _ in range(5)]
         for payload in (*(one.SerializePartialToString() for one in found), *payloads):
+            if door == "receive":
+                for datagram in _datagrams(payload):
+                    yield bytes([index]) + datagram
+                continue
             if door == "to_cdr":
                 yield bytes([index]) + payload
                 continue
             with contextlib.suppress(ConversionError, DecodeError):  # there is no such message
                 yield bytes([index]) + handler.to_cdr(handler.payload_type.FromString(payload))
+
+
+def _datagrams(payload: bytes) -> Iterator[bytes]:
+    """Yield a payload in an envelope, without and with a signature, and each with zeros stripped and appended."""
+    plain, other = (encoded_varint(n << 3 | DELIMITED) + encoded_varint(len(payload)) + payload for n in (1, 2))
+    for whole in (plain, _SIGNER.sign(other)):
+        yield from (whole, strip_trailing_zeros(whole), whole + bytes(3))
 
 
 def _table(registry: Registry) -> bytes:

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import dataclasses
 import logging
+import math
+import re
 import socket
+import threading
+import time
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import datetime, timezone
+from functools import partial
 from importlib.util import find_spec
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import pytest
 from needs import NO_DDS, NO_RCLPY, needs_native
@@ -19,8 +27,13 @@ from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos
 from roverlink.runtime.bridge.bridge import Send
 from roverlink.runtime.bridge.handling_times import Handle
+from roverlink.runtime.bridge.signed_peers import open_links
+from roverlink.runtime.core.envelope import restore
 from roverlink.runtime.core.handler import UNSTAMPED
+from roverlink.runtime.core.signing import TICKS_PER_SECOND, Key, Signer, SigningClock
 from roverlink.runtime.core.tap import Tap
+from roverlink.runtime.keys.key_file import make_key_file
+from roverlink.runtime.keys.signed_links import SignedLinks
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.middleware.tapping import TappedMiddleware
 from roverlink.runtime.ros_arguments import parameters
@@ -60,15 +73,69 @@ def _installed(middleware: str, environment: dict[str, str]) -> None:
         pytest.skip(reason)
 
 
-def _without_deadman(handler: Any) -> Any:
+class _Case(NamedTuple):
+    """What the table and the parameters say, and whether there is an observer."""
+
+    policy: str = "mapping"
+    guard: float = 0
+    """If not 0, only this computer may send: 32 datagrams and then so many a second. And an address is learned."""
+    observed: bool = False
+    signed: bool = False
+    strips: bool = False
+    paced: bool = False
+    """If true, one message of a row passes in ten days."""
+
+
+def _handler(handler: Any, paced: bool) -> Any:
     made = copy.copy(handler)
-    made.route = dataclasses.replace(handler.route, deadman=None)
+    # Without the stops that a bridge sends by itself, after some time.
+    is_slow = paced and handler.route.name in ("pressure_info", "arm_target")
+    made.route = dataclasses.replace(handler.route, deadman=None, max_rate=1e-6 if is_slow else None)
     return made
 
 
-# Without the stops that a bridge sends by itself, after some time.
-_QUIET = dataclasses.replace(REGISTRY, handlers=tuple(map(_without_deadman, REGISTRY.handlers)))
 _LEARN = {"host": "learn", "host_parameter": "hardware_host"}
+_NUMBER = 23
+_SIGNATURE = 3 + 15  # bytes of the field
+_LOGGER = logging.getLogger("native_way")
+
+
+def _registry(case: _Case) -> Any:
+    peers = []
+    for peer in REGISTRY.peers:
+        changes: dict[str, Any] = _LEARN if case.guard and peer.name == "hardware" else {}
+        if case.guard:
+            changes = {**changes, "sources": ("127.0.0.0/8",), "source_rate": case.guard}
+        peers.append(dataclasses.replace(peer, must_sign=case.signed, strip_trailing_zeros=case.strips, **changes))
+    handlers = tuple(_handler(handler, case.paced) for handler in REGISTRY.handlers)
+    number = _NUMBER if case.signed else None
+    return dataclasses.replace(REGISTRY, peers=tuple(peers), handlers=handlers, signature=number)
+
+
+def _signed(signers: Mapping[str, Signer]) -> Iterator[bytes]:
+    """The datagrams, signed by the peers of their rows, and what an attacker or a bad network makes of such."""
+    hardware, stranger = signers["hardware"], Signer(_NUMBER, Key(99, "x", bytes(32)), SigningClock())
+    for datagram in _DATAGRAMS:
+        name = None
+        with contextlib.suppress(Exception):  # it is no envelope
+            name = REGISTRY.envelope.FromString(datagram).WhichOneof("payload")
+        handler = REGISTRY.by_name.get(name or "")
+        yield (signers[handler.route.peer] if handler else hardware).sign(datagram)
+    one, early, late, other = (hardware.sign(pressure) for pressure in _PRESSURES[:4])
+    yield from (one, one, late, early, _PRESSURES[0], signers["basestation"].sign(_PRESSURES[0]))
+    yield from (stranger.sign(_PRESSURES[0]), other[:5] + bytes([other[5] ^ 1]) + other[6:], other[: -_SIGNATURE + 3])
+    yield from (other + b"\x08\x01", hardware.sign(other) + bytes(7), hardware.sign(_envelope(drive_motor={})))
+    yield next(one for one in map(hardware.sign, [_PRESSURES[0]] * 10_000) if one[-1] == 0).rstrip(b"\0")
+    yield from (hardware.sign(pressure + b"\xda\x07\x00") for pressure in _PRESSURES[:2])
+    ahead = Signer(_NUMBER, hardware.key, SigningClock(SigningClock().last + 120 * TICKS_PER_SECOND))
+    yield from (ahead.sign(pressure) for pressure in _PRESSURES[:3])
+    yield Signer(_NUMBER, hardware.key, SigningClock(2**47)).sign(_PRESSURES[0])
+    yield ahead.sign(_PRESSURES[0])
+
+
+def _bare(datagram: bytes) -> bytes:
+    """The envelope without what differs in each run: of a signature, the number of the key stays."""
+    return re.sub(rb"\xba\x01\x0f(.).{14}", rb"\1", restore(datagram), flags=re.DOTALL)
 
 
 class _Observer:
@@ -92,31 +159,37 @@ class _Observer:
         return lambda datagrams: (self.sent[peer](datagrams), send(datagrams))[1]
 
 
+def _keys(registry: Any, folder: Path) -> tuple[SignedLinks | None, dict[str, SignedLinks]]:
+    """The keys of a bridge, and those of its peers."""
+    folder.mkdir()
+    files = {peer.name: folder / f"{peer.name}.keys" for peer in registry.peers}
+    for name, file in files.items():
+        make_key_file(file, name, datetime.now(timezone.utc))
+    ends = {name: SignedLinks(_NUMBER, [file], _LOGGER, name) for name, file in files.items()}
+    return open_links(registry, [*files.values()], _LOGGER), ends
+
+
 def _waiting(sock: socket.socket, count: int) -> list[bytes]:
     sock.settimeout(30)
-    return sorted(sock.recv(65_536) for _ in range(count))
+    return [sock.recv(65_536) for _ in range(count)]
 
 
-def _bridged(
-    middleware: str,
-    native: bool,
-    policy: str,
-    guarded: bool,
-    observers: Sequence[_Observer],
-) -> Sequence[Any]:
+def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Observer], folder: Path) -> Sequence[Any]:
     """What arrives on two topics and at both peers, and what is counted."""
     peers = {name: socket.socket(type=socket.SOCK_DGRAM) for name in ("hardware", "basestation")}
     ports = {"hardware": "dst_b_port", "basestation": "dst_a_port"}
     for sock in peers.values():
         sock.bind(("127.0.0.1", 0))
     given = {ports[name]: sock.getsockname()[1] for name, sock in peers.items()}
-    given |= {"listen_port": 0, "listen_address": "127.0.0.1", "native_core": native, "forward_policy": policy}
-    registry = _QUIET
-    if guarded:
-        guards = [dataclasses.replace(peer, sources=("127.0.0.0/8",)) for peer in REGISTRY.peers]
-        guards = [dataclasses.replace(one, **(_LEARN if one.name == "hardware" else {})) for one in guards]
-        registry = dataclasses.replace(_QUIET, peers=tuple(guards))
+    given |= {"listen_port": 0, "listen_address": "127.0.0.1", "native_core": native, "forward_policy": case.policy}
+    registry = _registry(case)
+    if case.guard:
         given["dst_b_port"] = 0
+    datagrams, keys, ends = _DATAGRAMS, None, {}
+    if case.signed:
+        keys, ends = _keys(registry, folder / str(native))
+        signers = {name: links.signer(["ros"]) for name, links in ends.items()}
+        datagrams = [*_signed({name: signer for name, signer in signers.items() if signer})]
     settings = parameters.read(registry, given)
     arrived: dict[str, list[bytes]] = {"pressure_info": [], _EXTRA: []}
     types = {handler.route.topic: handler.message_type for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics)}
@@ -125,8 +198,7 @@ def _bridged(
         tapped = node
         for one in observers:
             tapped = TappedMiddleware(tapped, one)
-        logger = logging.getLogger("native_way")
-        bridge = Bridge(registry, settings, tapped, lambda topic: f"/{topic}", logger, observers)
+        bridge = Bridge(registry, settings, tapped, lambda topic: f"/{topic}", _LOGGER, observers, keys)
         with bridge:
             for topic, messages in arrived.items():
                 observer.subscribe(f"/{topic}", types[topic], Qos(depth=100), messages.extend)
@@ -135,38 +207,102 @@ def _bridged(
                 wait_until(lambda topic=topic: node.endpoints(f"/{topic}", publishing=False), topic)  # type: ignore[misc]
             wait_until(command.has_subscribers, "the bridge")
             board = peers["hardware"]
-            for count, datagram in enumerate(_DATAGRAMS, 1):
+            for count, datagram in enumerate(datagrams, 1):
                 board.sendto(datagram, ("127.0.0.1", bridge.port))
                 wait_until(lambda count=count: bridge.account.received >= count, f"{count} datagrams")  # type: ignore[misc]
-            for _ in range(5):
+            for count in range(1, 6):
                 command.publish([_TARGET.to_cdr(_TARGET.payload_type(), UNSTAMPED)])
-            wait_until(lambda: bridge.account.sent["arm_target"] == 5, "five commands")
-            wait_until(lambda: len(arrived[_EXTRA]) >= len(_PRESSURES), "all pressures")
+                wait_until(lambda count=count: bridge.account.taken["arm_target"] == count, "a command")  # type: ignore[misc]
+            commands = 1 if case.paced else 5
+            wait_until(lambda: bridge.account.sent["arm_target"] == commands, "the commands")
+            wait_until(lambda: len(arrived[_EXTRA]) == bridge.account.extra_published[_EXTRA], "all pressures")
             counted = bridge.account.as_dict()
-            forwarded = {name: _waiting(peers[name], count) for name, count in bridge.account.forwarded.items()}
+            reasons = dict(bridge.account.dropped_of_row)
+            sent = {name: _waiting(peers[name], bridge.account.forwarded[name]) for name in peers}
+            sent |= {"commands": _waiting(board if case.guard else peers["hardware"], commands)}
             bridge.stop()
             bridge.run()
     for sock in peers.values():
         sock.close()
+    ended = bridge.account.as_dict()
     assert not bridge.account.discrepancies()
     assert ("the native core handles" in bridge.way) == native
-    return counted, {topic: [message[-16:] for message in messages] for topic, messages in arrived.items()}, forwarded
+    for name, links in ends.items():
+        signed = sent[name] if case.policy == "mapping" else []
+        for datagram in signed + (sent["commands"] if name == "hardware" else []):
+            links.verifier.verify(datagram, {"ros"})
+    if ends:
+        sent = {name: [*map(_bare, datagrams)] for name, datagrams in sent.items()}
+    ends_of = {topic: [message[-16:] for message in messages] for topic, messages in arrived.items()}
+    return counted, ended, reasons, ends_of, sent
 
 
 @pytest.mark.parametrize(
-    ("policy", "guarded", "observed"),
-    [("mapping", False, False), ("all", False, False), ("mapping", True, False), ("mapping", True, True)],
+    "case",
+    [
+        _Case(),
+        _Case("all"),
+        _Case(guard=math.inf, strips=True),
+        _Case(guard=math.inf, observed=True),
+        _Case(guard=1e-6),
+        _Case(paced=True, observed=True),
+        _Case(signed=True),
+        _Case("all", signed=True),
+        _Case(guard=math.inf, observed=True, signed=True, strips=True),
+        _Case(guard=1e-6, signed=True, paced=True),
+    ],
 )
-def test_both_ways_do_the_same(middleware: str, policy: str, guarded: bool, observed: bool) -> None:
-    """Rows, extra topics, forwards and commands; datagrams that the core hands over; and what observers get.
-
-    With a guard, only this computer may send, and the address of the hardware is learned.
-    """
-    observers = [[_Observer()] if observed else [] for _ in range(2)]
-    found = [_bridged(middleware, native, policy, guarded, given) for native, given in zip((False, True), observers)]
-    if observed:
-        assert observers[0][0].seen == observers[1][0].seen
-        assert len(observers[0][0].seen) > len(_INBOUND)
-    for counted, _, _ in found:
-        del counted["qos_mismatches"]  # of the moment
+def test_both_ways_do_the_same(middleware: str, case: _Case, tmp_path: Path) -> None:
+    """Rows, extra topics, forwards and commands; datagrams that the core hands over; and what observers get."""
+    observers = [[_Observer()] if case.observed else [] for _ in range(2)]
+    found = [_bridged(middleware, way, case, given, tmp_path) for way, given in zip((False, True), observers)]
+    if case.observed:
+        seen = [dict(one.seen) for (one,) in observers]
+        if case.signed:  # signatures are of the moment
+            seen = [one | {"received": [*map(_bare, one["received"])]} for one in seen]
+        assert seen[0] == seen[1]
+        assert len(seen[0]) > len(_INBOUND)
+    for counted, ended, *_ in found:
+        del counted["qos_mismatches"], ended["qos_mismatches"]  # of the moment
     assert found[0] == found[1]
+
+
+def test_what_two_threads_sign_for_a_peer_arrives_in_the_order_of_its_timestamps(
+    middleware: str, tmp_path: Path
+) -> None:
+    """Messages of a topic, and forwards at the same time: the peer would refuse a datagram that was overtaken."""
+    registry, handler = _registry(_Case(signed=True)), REGISTRY.by_name["detected_object"]
+    keys, ends = _keys(registry, tmp_path / "keys")
+    signer = ends["hardware"].signer(["ros"])
+    arrived: list[bytes] = []
+    with open_middleware("dds", NodeIdentity("node")) as node, socket.socket(type=socket.SOCK_DGRAM) as base:
+        base.bind(("127.0.0.1", 0))
+        base.settimeout(0.5)
+        reading = threading.Thread(target=lambda: arrived.extend(iter(partial(_received, base), b"")))
+        given = {"listen_port": 0, "listen_address": "127.0.0.1", "dst_a_port": base.getsockname()[1]}
+        made = open_middleware(middleware, NodeIdentity("bridge"))
+        settings = parameters.read(registry, given)
+        with Bridge(registry, settings, made, lambda topic: f"/{topic}", _LOGGER, (), keys) as bridge:
+            publisher = node.publisher(f"/{handler.route.topic}", handler.message_type, Qos(depth=100))
+            wait_until(publisher.has_subscribers, "the bridge")
+            reading.start()
+            message, end = handler.to_cdr(handler.payload_type(), UNSTAMPED), time.monotonic() + 1.5
+            while time.monotonic() < end:
+                publisher.publish([message] * 2)
+                for _ in range(4):
+                    base.sendto(signer.sign(_envelope(ph_info={})), ("127.0.0.1", bridge.port))  # type: ignore[union-attr]
+                time.sleep(0.0005)
+            bridge.stop()
+            bridge.run()
+        reading.join()
+    for datagram in arrived:
+        ends["basestation"].verifier.verify(datagram, {"ros"})
+    parsed = map(REGISTRY.envelope.FromString, arrived)
+    assert {one.WhichOneof("payload") for one in parsed} == {"ph_info", "detected_object"}
+
+
+def _received(sock: socket.socket) -> bytes:
+    try:
+        return sock.recv(65_536)
+    except TimeoutError:
+        return b""

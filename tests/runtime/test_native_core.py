@@ -13,16 +13,28 @@ import pytest
 from needs import needs_native
 
 from generated.registry import REGISTRY
+from roverlink.runtime.bridge.pacing import Pacer
+from roverlink.runtime.core.signing import SigningClock, Stream
 from roverlink.runtime.native import bridge_layout, core, layout
 from roverlink.runtime.native.operations import PRIMITIVES
+from roverlink.runtime.net.sources import Source
 
 _ROOT = Path(__file__).parents[2]
 _HEADER = _ROOT / "native" / "include" / "roverlink" / "native.h"
 _NAMES = {"MiddlewareFunctions": "middleware", "ServingCalls": "serving_calls"}
+_OF_KEY = {name: f"key.{name}" for name in ("id", "secret", "last")}
+_MEMBERS: dict[str, dict[str, str]] = {
+    "rl_signer": _OF_KEY,
+    "rl_stream": {**_OF_KEY, "link": "clock"},
+    "rl_clock": {"last": "now.last", "offset": "now.offset", "shared_lock": "lock"},
+    "rl_pacer": {"shared_lock": "lock"},
+}
+"""Members of structs of Python that have another name in the header."""
 _PLACES = """#include <cstddef>
 #include <cstdio>
 #include "roverlink/bridge.h"
-#define PLACE(type, member) std::printf("%zu+%zu\\n", offsetof(type, member), sizeof(type::member))
+#define SIZE(type, member) sizeof(static_cast<type *>(nullptr)->member)
+#define PLACE(type, member) std::printf("%zu+%zu\\n", offsetof(type, member), SIZE(type, member))
 int main() {{
 {}
 }}
@@ -34,6 +46,13 @@ _ENUMS = {
     "rl_number": layout.Number,
     "rl_expression_flag": layout.ExpressionFlag,
 }
+
+
+def _options() -> tuple[list[str], list[str]]:
+    """The flags of the build, and those with the folders of headers."""
+    pytest.importorskip("hatchling")
+    build = runpy.run_path(str(_ROOT / "hatch_build.py"))
+    return build["FLAGS"].split(), [f"-I{_ROOT / folder}" for folder in build["INCLUDES"]]
 
 
 def _header() -> str:
@@ -70,13 +89,14 @@ def test_structs_have_the_members_of_the_headers_at_the_same_places(tmp_path: Pa
         for name, struct in vars(module).items()
         if isinstance(struct, type(ctypes.Structure)) and struct.__module__ == module.__name__
     }
-    assert len(structs) == 19
+    structs |= {"rl_clock": SigningClock, "rl_stream": Stream, "rl_bucket": Source, "rl_pacer": Pacer}
+    assert len(structs) == 24
     members = [(struct, name) for struct, made in structs.items() for name, *_ in made._fields_]
-    lines = [f"PLACE({struct}, {name});" for struct, name in members]
+    lines = [f"PLACE({struct}, {_MEMBERS.get(struct, {}).get(name, name)});" for struct, name in members]
     lines += [f'std::printf("%zu\\n", sizeof({struct}));' for struct in structs]
     source = tmp_path / "places.cpp"
     source.write_text(_PLACES.format("\n".join(lines)), encoding="utf-8")
-    subprocess.run(["g++", f"-I{_ROOT / 'native/include'}", "-o", source.with_suffix(""), source], check=True)
+    subprocess.run(["g++", *_options()[1], "-o", source.with_suffix(""), source], check=True)
     told = subprocess.run([source.with_suffix("")], capture_output=True, text=True, check=True).stdout.split()
     places = [f"{place.offset}+{place.size}" for struct, name in members for place in [getattr(structs[struct], name)]]
     assert told == [*places, *(str(ctypes.sizeof(made)) for made in structs.values())]
@@ -88,7 +108,7 @@ def test_compilers_have_nothing_to_say(compiler: str) -> None:
     """With all the warnings that the build asks for."""
     if shutil.which(compiler) is None:
         pytest.skip(f"need {compiler} (apt-get install g++ clang)")
-    flags = runpy.run_path(str(_ROOT / "hatch_build.py"))["FLAGS"].split()
+    flags, includes = _options()
     sources = sorted(_ROOT.glob("native/src/*.cpp"))
     command = [
         compiler,
@@ -96,7 +116,7 @@ def test_compilers_have_nothing_to_say(compiler: str) -> None:
         "-Werror",
         "-Wno-unused-command-line-argument",
         "-fsyntax-only",
-        f"-I{_ROOT / 'native/include'}",
+        *includes,
         *sources,
     ]
     done = subprocess.run(command, capture_output=True, text=True)

@@ -14,6 +14,7 @@
 #include <sys/uio.h>
 
 #include "roverlink/native.h"
+#include "roverlink_signing.h" /* of cpp/c: what boards use */
 
 #ifdef __cplusplus
 extern "C" {
@@ -43,6 +44,38 @@ typedef struct rl_ring {
 /* Copy all records to `out`, which has the room of the ring, and remove them. Returns the number of bytes. */
 RL_API size_t rl_take_records(rl_ring *, uint8_t *out);
 
+/* Lock between threads of Python and of the core. No thread of the core calls Python while it has one. */
+typedef struct rl_lock {
+  uint32_t state; /* 0: free */
+} rl_lock;
+
+RL_API void rl_lock_take(rl_lock *);
+RL_API int rl_lock_try(rl_lock *); /* 1, or 0 if another thread has it */
+RL_API void rl_lock_leave(rl_lock *);
+
+/* Clock of the timestamps of a link: SigningClock in runtime/core/signing.py. Used under the lock. */
+typedef struct rl_clock {
+  roverlink_clock now;
+  rl_lock *lock;
+} rl_clock;
+
+/* Key of a peer, with what was accepted: Stream in runtime/core/signing.py. Python judges what the core does not accept,
+ * and changes the members meanwhile, which is safe because it does so on the thread of `rl_receive`. */
+typedef struct rl_stream {
+  roverlink_key key;
+  uint64_t plausible; /* Python looks at later timestamps */
+  rl_clock *clock;
+} rl_stream;
+
+/* Key with which the bridge signs. The lock is held while datagrams are signed and sent, so that their order stays. */
+typedef struct rl_signer {
+  roverlink_key key;
+  rl_clock *clock;
+  rl_lock *lock;
+  uint32_t number;       /* of the envelope's field */
+  uint32_t strips_zeros; /* 1 if the peer gets its datagrams without the zeros at their end */
+} rl_signer;
+
 /* Serialized message of rcl: rcutils_uint8_array_t, whose allocator is not used for publishing. */
 typedef struct rl_rcl_message {
   const uint8_t *buffer;
@@ -59,6 +92,18 @@ typedef struct rl_middleware {
   int32_t (*count_subscriptions)(const void *publisher, size_t *count);
 } rl_middleware;
 
+/* Limit of the rate of a row: Pacer in runtime/bridge/pacing.py, which passes on the message that waits. Used under the
+ * lock, which Python also holds while it passes a message on. */
+typedef struct rl_pacer {
+  double interval, slot; /* seconds; the slot is the time at which the next message may pass */
+  uint64_t waits;        /* 1 if a message waits */
+  uint64_t size;         /* of the message that waits; 0 if it is in Python's memory */
+  uint64_t room;
+  uint8_t *message;
+  rl_lock *lock;
+  uint64_t superseded;   /* N: messages that a newer one has replaced */
+} rl_pacer;
+
 /* Topic on which a row's payloads are published. */
 typedef struct rl_topic {
   uint32_t translation;
@@ -67,6 +112,7 @@ typedef struct rl_topic {
   uint32_t observed;      /* 1 if observers get the messages; the channel is the index of the topic */
   const void *sertype;
   const void *publisher;  /* of rcl */
+  rl_pacer *pacer;        /* null without a limit */
   int64_t paused_until;   /* in nanoseconds of the monotonic clock: no message is published before */
   uint64_t published;     /* N */
 } rl_topic;
@@ -77,27 +123,40 @@ typedef struct rl_row {
   uint32_t at_once;       /* the row's datagrams are handed over before any later one is handled */
   uint32_t first_topic;   /* the row's own topic; behind it are the extra topics */
   uint32_t topics;
-  uint32_t longest;       /* P: longer datagrams are handed over */
-  uint64_t forward;       /* P: bit by destination */
+  uint32_t longest;       /* longer datagrams are handed over, unless all are forwarded as they are */
+  uint32_t is_signed;     /* 1 if the datagrams have to be signed */
+  uint32_t unused;
+  uint64_t signers[4];    /* bit by the id of each key that may sign them */
+  uint64_t forward;       /* bit by destination */
   uint64_t handled;       /* N: datagrams */
 } rl_row;
 
 /* End of the link to which datagrams are forwarded. */
 typedef struct rl_destination {
   const int32_t *socket;  /* P: connected; -1 if Python has to send */
+  const rl_signer *signer; /* null if nothing is signed */
   uint64_t forwarded;     /* N */
   uint32_t segments;      /* 1 if the kernel has UDP_SEGMENT */
   uint32_t unused;
 } rl_destination;
+
+/* Limit of a sender's rate: Source in runtime/net/sources.py, which takes tokens on the thread of `rl_receive`, too. */
+typedef struct rl_bucket {
+  double rate;              /* tokens a second; infinity for no limit */
+  double burst, allowance;  /* tokens, one for each datagram */
+  double at;                /* time of the last change, in seconds of the monotonic clock */
+} rl_bucket;
 
 /* Calls of Python. All but the first get the index of a topic or a destination. Each but the last returns 0; any other
  * number ends `rl_receive`. */
 typedef struct rl_calls {
   int (*handle)(const rl_datagram *, uint32_t count); /* without datagrams: once in two seconds while some arrive */
   int (*not_published)(uint32_t topic);
+  int (*wait)(uint32_t topic); /* a message waits for its time */
   int (*send)(uint32_t destination, const rl_datagram *, uint32_t count);
-  /* 1 if Python need not see the datagrams of a row from a sender, until `senders` changes; 0 to hand one over */
-  int (*admit)(uint32_t row, const rl_datagram *);
+  /* the bucket of a sender if Python need not see its datagrams of a row as long as it has tokens, until `senders`
+   * changes; null to hand one over */
+  rl_bucket *(*admit)(uint32_t row, const rl_datagram *);
 } rl_calls;
 
 typedef struct rl_bridge {
@@ -106,6 +165,7 @@ typedef struct rl_bridge {
   rl_topic *topics;
   rl_row *rows;
   rl_destination *destinations;
+  rl_stream *const *streams;
   rl_middleware middleware;
   rl_calls calls;
   rl_ring *observers;          /* null without observers */
@@ -113,13 +173,15 @@ typedef struct rl_bridge {
   uint64_t latencies[RL_BUCKETS]; /* N: datagrams by the time that their burst needed */
   double latency_sum;          /* N: seconds */
   uint64_t received;           /* N: datagrams that were not handed over */
-  uint32_t n_topics, n_rows, n_destinations, n_bounds;
+  uint32_t n_topics, n_rows, n_destinations, n_bounds, n_streams;
+  uint32_t signature;          /* number of the envelope's field with the signature */
   int32_t socket, wake;        /* file descriptors */
   uint32_t largest;            /* longest datagram that is read; longer ones are cut */
   uint32_t observed;           /* 1 if observers get the datagrams, on the channel behind those of the topics */
   uint32_t checks_senders;     /* P: 1 if a row's datagrams need an admitted sender */
   uint32_t senders;            /* P: changes if what was admitted holds no longer */
-  uint32_t unused;
+  uint32_t forwards_all;       /* P: 1 if all destinations get all datagrams as they are */
+  uint32_t is_ordered;         /* 1 if no datagram may be handled before an earlier one that is handed over */
   uint32_t stopping;           /* P: 1 makes `rl_receive` return, also if datagrams arrive all the time */
 } rl_bridge;
 
@@ -155,9 +217,13 @@ typedef struct rl_subscription {
   int32_t reader;          /* of Cyclone DDS */
   uint32_t native;         /* P: 0 hands the messages over, and also datagrams that are not sent yet */
   const int32_t *socket;   /* P: see rl_destination */
+  const rl_signer *signer; /* null if nothing is signed */
+  rl_pacer *pacer;         /* null without a limit */
   uint32_t segments;
   uint32_t observed;       /* bits: 1 if observers get the messages, on channel 2 * index; 2 if they get the datagrams, on
                               the next channel */
+  uint32_t strips_zeros;   /* 1 if the peer gets its datagrams without the zeros at their end */
+  uint32_t unused;
   uint64_t taken, sent;    /* N */
   int64_t sent_at;         /* N: time of the last datagram, in nanoseconds of the monotonic clock */
 } rl_subscription;
@@ -166,6 +232,7 @@ typedef struct rl_subscription {
 typedef struct rl_serving_calls {
   int (*serve)(uint32_t topic, uint32_t most);  /* take and handle messages of a topic that Python reads */
   int (*take)(uint32_t topic, const rl_datagram *message);  /* handle a message that was taken */
+  int (*wait)(uint32_t topic);  /* a message waits for its time */
   int (*send)(uint32_t topic, const rl_datagram *);  /* send a datagram that could not be sent */
 } rl_serving_calls;
 
