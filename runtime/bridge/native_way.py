@@ -112,9 +112,14 @@ class NativeWay:
                 socket=ctypes.pointer(destinations[end].connected_socket),
                 segments=can_segment(),
             )
+            taps = [one.sent[end.peer] for one in observers]
+            try:
+                subscription.lend_to(core, LentTopic(struct, row.send_again, (), taps))
+            except AttributeError as error:  # the middleware's library may be another version
+                self.reasons[handler.route.name] = str(error)
+                continue
             self._outbound.append((handler.route, end, struct))
             row.follow(partial(_sent_at, struct))
-            subscription.lend_to(core, LentTopic(struct, row.send_again, (), [one.sent[end.peer] for one in observers]))
 
     @staticmethod
     def _why_not(
