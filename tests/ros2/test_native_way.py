@@ -6,7 +6,7 @@ import copy
 import dataclasses
 import logging
 import socket
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Any
@@ -15,11 +15,14 @@ import pytest
 from needs import NO_DDS, NO_RCLPY, needs_native
 from polling import wait_until
 
+from generated.interfaces.geometry_msgs import Point, Pose, PoseWithCovariance
+from generated.interfaces.nav_msgs import Odometry
+from generated.messages import DrivingBoardMotorMessage
 from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos
 from roverlink.runtime.bridge.bridge import Send
 from roverlink.runtime.bridge.handling_times import Handle
-from roverlink.runtime.core.handler import UNSTAMPED
+from roverlink.runtime.core import cdr
 from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.middleware.tapping import TappedMiddleware
@@ -28,8 +31,9 @@ from roverlink.runtime.ros_arguments import parameters
 pytestmark = needs_native
 
 _INBOUND = [handler for handler in REGISTRY.handlers if handler.route.inbound]
+_OUTBOUND = [handler for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics) if not handler.route.inbound]
 _EXTRA = "pressure/temperature"
-_TARGET = REGISTRY.by_name["arm_target"]
+_COMMANDS = 5  # on each topic
 
 
 def _envelope(**payloads: Any) -> bytes:
@@ -72,15 +76,19 @@ _LEARN = {"host": "learn", "host_parameter": "hardware_host"}
 
 
 class _Observer:
-    """Keeps the end of each message, whose beginning may have a stamp, and each datagram."""
+    """Keeps the end of each message, whose beginning may have a stamp; and each datagram, one sent by its beginning."""
 
     def __init__(self) -> None:
         self.seen: defaultdict[str, list[bytes]] = defaultdict(list)
         self.received = self._tap("received", 0)
-        self.sent = {peer: self._tap(f"sent to {peer}", 0) for peer in REGISTRY.peers_by_name}
+        self.sent = {peer: self._tap(f"sent to {peer}", 0, 3) for peer in REGISTRY.peers_by_name}
 
-    def _tap(self, name: str, start: int) -> Tap:
-        return lambda messages, arrived=(): self.seen[name].extend(message[start:] for message in messages)
+    def _tap(self, name: str, start: int, kind: int = 0) -> Tap:
+        def tap(messages: Sequence[bytes], arrived: object = ()) -> None:
+            for message in messages:
+                self.seen[name + message[:kind].hex()].append(message[start:])
+
+        return tap
 
     def topic(self, topic: str, *_: object) -> Tap:
         return self._tap(topic, -16)
@@ -90,6 +98,13 @@ class _Observer:
 
     def sending(self, peer: str, send: Send) -> Send:
         return lambda datagrams: (self.sent[peer](datagrams), send(datagrams))[1]
+
+
+def _numbered(kind: Any, number: int) -> dict[str, Any]:
+    """Different values, of which the last does not fit into the payload."""
+    if kind is Odometry:
+        return {"pose": PoseWithCovariance(Pose(Point(1e300 if number == _COMMANDS - 1 else number)))}
+    return {"distance_to_go": float(number)} if kind is DrivingBoardMotorMessage else {}
 
 
 def _waiting(sock: socket.socket, count: int) -> list[bytes]:
@@ -130,26 +145,33 @@ def _bridged(
         with bridge:
             for topic, messages in arrived.items():
                 observer.subscribe(f"/{topic}", types[topic], Qos(depth=100), messages.extend)
-            command = observer.publisher(f"/{_TARGET.route.topic}", _TARGET.message_type, Qos(depth=100))
+            commands = {
+                one: observer.publisher(f"/{one.route.topic}", one.message_type, Qos(depth=100)) for one in _OUTBOUND
+            }
             for topic in arrived:
                 wait_until(lambda topic=topic: node.endpoints(f"/{topic}", publishing=False), topic)  # type: ignore[misc]
-            wait_until(command.has_subscribers, "the bridge")
+            wait_until(lambda: all(command.has_subscribers() for command in commands.values()), "the bridge")
             board = peers["hardware"]
             for count, datagram in enumerate(_DATAGRAMS, 1):
                 board.sendto(datagram, ("127.0.0.1", bridge.port))
                 wait_until(lambda count=count: bridge.account.received >= count, f"{count} datagrams")  # type: ignore[misc]
-            for _ in range(5):
-                command.publish([_TARGET.to_cdr(_TARGET.payload_type(), UNSTAMPED)])
-            wait_until(lambda: bridge.account.sent["arm_target"] == 5, "five commands")
+            for number in range(_COMMANDS):
+                for handler, command in commands.items():
+                    command.publish([cdr.encode(handler.message_type(**_numbered(handler.message_type, number)))])
+            wait_until(lambda: bridge.account.taken.total() == _COMMANDS * len(commands), "the commands")
+            wait_until(lambda: bridge.account.refused.total() == 1, "the command that does not fit")
             wait_until(lambda: len(arrived[_EXTRA]) >= len(_PRESSURES), "all pressures")
             counted = bridge.account.as_dict()
-            forwarded = {name: _waiting(peers[name], count) for name, count in bridge.account.forwarded.items()}
+            sent = Counter(bridge.account.forwarded)
+            for name, count in bridge.account.sent.items():
+                sent[REGISTRY.by_name[name].route.peer] += count
+            forwarded = {name: _waiting(peers[name], count) for name, count in sent.items()}
             bridge.stop()
             bridge.run()
     for sock in peers.values():
         sock.close()
     assert not bridge.account.discrepancies()
-    assert ("the native core handles" in bridge.way) == native
+    assert bridge.way.startswith("the native core handles all") == native, bridge.way
     return counted, {topic: [message[-16:] for message in messages] for topic, messages in arrived.items()}, forwarded
 
 
