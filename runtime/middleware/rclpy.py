@@ -254,6 +254,8 @@ class RclpyMiddleware(Middleware):
         with contextlib.suppress(ExternalShutdownException):
             while self._open:
                 self._executor.spin_once(timeout_sec=_SPIN_S)
+        if self._receiver:  # rclpy's signal handler shuts contexts down without their callbacks
+            self._receiver.end()
 
 
 def _receiver(node: Any) -> Receiver | None:

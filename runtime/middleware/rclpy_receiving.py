@@ -36,7 +36,7 @@ from roverlink.runtime.native.core import NativeCore
 from roverlink.runtime.native.lending import LentTopic
 
 _EVENTS_S = 1.0  # time between two looks for QoS events
-_LOOK_NS = 1_000_000_000  # time between two looks whether the context was shut down
+_WAIT_NS = 1_000_000_000  # longest wait for messages
 _DESTROYED_S = 1.0  # longest time for which the end of a subscription waits for a callback that is running
 
 
@@ -96,7 +96,7 @@ class Receiver:
         # The executor's thread looks for QoS events, because this one may be in the native core.
         node.create_timer(_EVENTS_S, self._handle_events, clock=Clock(clock_type=ClockType.STEADY_TIME))
         # Somebody else in the process may shut ROS 2 down; the program ends by its own signal handler.
-        self._context.on_shutdown(self._stop)
+        self._context.on_shutdown(self.end)
         self._thread = threading.Thread(target=self._receive, name="rclpy-take", daemon=True)
         self._thread.start()
 
@@ -140,14 +140,15 @@ class Receiver:
 
     def stop(self) -> bool:
         """End the thread, and wait until it has ended; return false if it hangs. No running callback is interrupted."""
-        self._stop()
+        self.end()
         if not has_ended(self._thread):
             return False
         if self._native is not None:
             self._native.close()
         return True
 
-    def _stop(self) -> None:
+    def end(self) -> None:
+        """Let the thread end when it has handled what it has taken."""
         self._stopped = True
         self._wake()
 
@@ -168,7 +169,7 @@ class Receiver:
 
     def _receive(self) -> None:
         with self._unless_shut_down():
-            while not self._stopped and self._context.ok():
+            while not self._stopped:
                 while self._closed:
                     subscription, destroyed = self._closed.pop()
                     self._node.destroy_subscription(subscription)
@@ -199,7 +200,7 @@ class Receiver:
             self._native.run(topics, is_current)
             return
         wait_set = self._wait_set(subscriptions=len(subscribed))
-        while is_current() and self._native is None and self._context.ok():
+        while is_current() and self._native is None:
             ready = self._wait(wait_set, subscribed)
             serve(topics, [subscription.topic for subscription in subscribed if subscription.address in ready])
 
@@ -209,7 +210,7 @@ class Receiver:
         for subscription in subscribed:
             wait_set.add_subscription(subscription.handle)
         wait_set.add_guard_condition(self._woken.handle)
-        wait_set.wait(_LOOK_NS)
+        wait_set.wait(_WAIT_NS)
         ready: Sequence[int] = wait_set.get_ready_entities("subscription")
         return ready
 
