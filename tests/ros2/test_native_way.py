@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import ctypes
 import dataclasses
 import logging
 import socket
@@ -192,3 +193,17 @@ def test_both_ways_do_the_same(middleware: str, policy: str, guarded: bool, obse
     for counted, _, _ in found:
         del counted["qos_mismatches"]  # of the moment
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("middleware", ["rclpy"])
+def test_a_function_that_rcl_lacks_leaves_the_messages_to_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rest stays native, and the log says why."""
+    absent, where = ctypes.CDLL(None), "roverlink.runtime.middleware.rcl_loop.rcl_function"
+    monkeypatch.setattr(where, lambda name: getattr(absent, f"no_{name}"))
+    settings = parameters.read(REGISTRY, {"listen_port": 0, "listen_address": "127.0.0.1"})
+    node = open_middleware("rclpy", NodeIdentity("bridge"))
+    with Bridge(REGISTRY, settings, node, lambda topic: f"/{topic}", logging.getLogger("native_way")) as bridge:
+        assert "handles 15 of 21 messages" in bridge.way
+        assert "undefined symbol: no_rcl_take_serialized_message: arm_ctrl, arm_target, drive_motor" in bridge.way
+        bridge.stop()
+        bridge.run()
