@@ -194,7 +194,7 @@ class Receiver:
         topics = [subscription.topic for subscription in subscribed]
 
         def is_current() -> bool:
-            return subscribed is self._subscribed and not self._stopped
+            return subscribed is self._subscribed and not self._closed and not self._stopped
 
         if self._native is not None:
             self._native.run(topics, is_current)
