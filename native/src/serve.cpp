@@ -87,10 +87,10 @@ class Server {
     while (!is_left_ && eventfd_read(server_.waitset, &count) < 0)
       if (errno != EINTR) return -1;
     is_left_ = false;
-    int32_t arrived = 0;
+    intptr_t *next = triggered_.get();
     for (uint32_t index = 0; index < server_.n_topics; ++index)
-      if (__atomic_exchange_n(&server_.topics[index]->arrived, 0, __ATOMIC_ACQ_REL)) triggered_[arrived++] = index;
-    return arrived;
+      if (__atomic_exchange_n(&server_.topics[index]->arrived, 0, __ATOMIC_ACQ_REL)) *next++ = index;
+    return static_cast<int32_t>(next - triggered_.get());
   }
 
   int serve(uint32_t index, uint32_t most) {
