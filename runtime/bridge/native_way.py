@@ -112,11 +112,14 @@ class NativeWay:
                 pacer=_shared_pacer(row, core),
                 strips_zeros=strips[route.peer],
             )
+            taps = [one.sent[end.peer] for one in observers]
+            try:
+                subscription.lend_to(core, LentTopic(struct, row.send_again, row.wake, (), taps))
+            except AttributeError as error:  # the middleware's library may be another version
+                self.reasons[route.name] = str(error)
+                continue
             self._outbound.append((row, route, end, struct))
             row.follow(partial(_sent_at, struct))
-            subscription.lend_to(
-                core, LentTopic(struct, row.send_again, row.wake, (), [one.sent[end.peer] for one in observers])
-            )
 
     @staticmethod
     def _why_not(handler: AnyHandler | AnyStandardHandler, subscription: Subscription, core: NativeCore) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import logging
-import os
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -33,13 +32,14 @@ from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.middleware.joined_addresses import JoinedAddresses
 from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
+from roverlink.runtime.middleware.rcl_loop import rcl_function
 from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.middleware.serving import has_ended
 from roverlink.runtime.native import bridge_layout as native
 
 if TYPE_CHECKING:
     from roverlink.runtime.middleware.rclpy_actions import RclpyAction
-    from roverlink.runtime.middleware.rclpy_receiving import Receiver
+    from roverlink.runtime.middleware.rclpy_receiving import Receiver, Subscribed
 
 # Names that the ROS 2 middlewares give to the node of an endpoint until they know it.
 _UNKNOWN_NODES = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
@@ -78,10 +78,10 @@ class RclpyPublisher:
 
     def lend_to(self, topic: native.Topic, functions: native.MiddlewareFunctions) -> Sequence[Tap]:
         """Let the native core publish through this publisher (see `NativePublisher`)."""
-        library = ctypes.CDLL("librcl.so", mode=os.RTLD_NOLOAD)  # rclpy has loaded it
         topic.publisher = self._handle.pointer
-        functions.publish = ctypes.cast(library.rcl_publish_serialized_message, ctypes.c_void_p)
-        functions.count_subscriptions = ctypes.cast(library.rcl_publisher_get_subscription_count, ctypes.c_void_p)
+        functions.publish = ctypes.cast(rcl_function("rcl_publish_serialized_message"), ctypes.c_void_p)
+        count = rcl_function("rcl_publisher_get_subscription_count")
+        functions.count_subscriptions = ctypes.cast(count, ctypes.c_void_p)
         return ()
 
     def has_subscribers(self) -> bool:
@@ -93,15 +93,20 @@ class RclpySubscription:
     """rclpy subscription of one topic."""
 
     def __init__(self, node: Any, topic: str, close: Callable[[], None]) -> None:
-        self._node, self._topic, self._close = node, topic, close
+        self._node, self._topic = node, topic
+        self.close = close
 
     def has_publishers(self) -> bool:
         """Return true if the ROS 2 graph has a publisher of the topic."""
         return bool(self._node.count_publishers(self._topic))
 
-    def close(self) -> None:
-        """Make rclpy destroy the subscription."""
-        self._close()
+
+class _LentSubscription(RclpySubscription):
+    """The same for a subscription whose messages the native core can take."""
+
+    def __init__(self, node: Any, topic: str, subscribed: Subscribed) -> None:
+        super().__init__(node, topic, subscribed.close)
+        self.lend_to = subscribed.lend_to
 
 
 class RclpyMiddleware(Middleware):
@@ -174,14 +179,13 @@ class RclpyMiddleware(Middleware):
         """Call ``callback`` with the serialized messages of a fully qualified topic, on a thread of the middleware."""
         message_class, profile = installed_class(message_type), _profile(qos)
         if self._receiver:
-            close = self._receiver.subscribe(message_class, topic, profile, callback, priority)
-        else:
-            # raw=True gives serialized messages, so rclpy does not build Python objects that nobody needs.
-            subscription = self._node.create_subscription(
-                message_class, topic, lambda message: callback([message]), profile, raw=True
-            )
-            close = partial(self._node.destroy_subscription, subscription)
-        return RclpySubscription(self._node, topic, close)
+            subscribed = self._receiver.subscribe(message_class, topic, profile, callback, priority)
+            return _LentSubscription(self._node, topic, subscribed)
+        # raw=True gives serialized messages, so rclpy does not build Python objects that nobody needs.
+        subscription = self._node.create_subscription(
+            message_class, topic, lambda message: callback([message]), profile, raw=True
+        )
+        return RclpySubscription(self._node, topic, partial(self._node.destroy_subscription, subscription))
 
     def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
         """Return the publishers or the subscriptions of a topic that rclpy has found so far."""
@@ -250,6 +254,8 @@ class RclpyMiddleware(Middleware):
         with contextlib.suppress(ExternalShutdownException):
             while self._open:
                 self._executor.spin_once(timeout_sec=_SPIN_S)
+        if self._receiver:  # rclpy's signal handler shuts contexts down without their callbacks
+            self._receiver.end()
 
 
 def _receiver(node: Any) -> Receiver | None:

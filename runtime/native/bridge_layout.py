@@ -139,9 +139,9 @@ class Bridge(ctypes.Structure):
 
 
 class Reading(ctypes.Structure):
-    """Addresses of functions of Cyclone DDS."""
+    """Addresses of functions of the middleware's library: those of Cyclone DDS, or the one of rcl."""
 
-    _fields_ = tuple((name, ctypes.c_void_p) for name in ("wait", "take", "size", "bytes", "unref"))
+    _fields_ = tuple((name, ctypes.c_void_p) for name in ("wait", "take", "size", "bytes", "unref", "take_one"))
 
 
 class Subscription(ctypes.Structure):
@@ -158,6 +158,9 @@ class Subscription(ctypes.Structure):
         ("taken", ctypes.c_uint64),
         ("sent", ctypes.c_uint64),
         ("sent_at", ctypes.c_int64),
+        ("subscription", ctypes.c_void_p),
+        *_words("arrived"),
+        ("wake", ctypes.c_int32),
     )
 
 

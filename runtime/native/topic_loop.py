@@ -81,7 +81,8 @@ class TopicLoop:
     def run(self, waitset: int) -> None:
         """Serve the topics until `stop` is called. Raises what a callback raised, or `MiddlewareError`.
 
-        What triggers ``waitset`` is the index of a topic; -1 only wakes the loop.
+        ``waitset`` is a wait set of Cyclone DDS, triggered with the index of a topic, or with -1 to wake the loop. With
+        rcl, it is an eventfd.
         """
         self._server.waitset = waitset
         if self._core.library.rl_serve(ctypes.byref(self._server)):

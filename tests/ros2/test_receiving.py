@@ -5,20 +5,26 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import pytest
 from judge import Bridge, Judge, interface, repeat
+from needs import needs_native
 from polling import wait_until
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from generated.messages import DrivingBoardMotorMessage
+from generated.registry import REGISTRY
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import NodeIdentity
 from roverlink.runtime.middleware.rclpy import RclpyMiddleware
+from roverlink.runtime.native import bridge_layout as native
+from roverlink.runtime.native.core import NativeCore, open_core
+from roverlink.runtime.native.lending import LentTopic, NativeSubscription
 
 _MOTOR = "comms/msg/DrivingBoardMotorMessage"
 _BURST = 1000
@@ -32,12 +38,20 @@ def ours(environment: dict[str, str]) -> Iterator[RclpyMiddleware]:
 
 
 class _Received:
-    """What one topic of ours has received, as numbers that the judge put into the messages."""
+    """What one topic of ours has received, as numbers that the judge put into the messages.
 
-    def __init__(self, ours: RclpyMiddleware, judge: Judge, topic: str, priority: int = 0) -> None:
+    With a core, it takes the messages, and hands them over.
+    """
+
+    def __init__(
+        self, ours: RclpyMiddleware, judge: Judge, core: NativeCore | None, topic: str, priority: int = 0
+    ) -> None:
         self.numbers: list[int] = []
         self.on_first: Callable[[], None] = lambda: None
-        ours.subscribe(topic, DrivingBoardMotorMessage, Qos(depth=_BURST), self._take, priority)
+        subscription = ours.subscribe(topic, DrivingBoardMotorMessage, Qos(depth=_BURST), self._take, priority)
+        if core:
+            assert isinstance(subscription, NativeSubscription)
+            subscription.lend_to(core, LentTopic(native.Subscription(), self._take))
         self._publisher = judge.node.create_publisher(interface(_MOTOR), topic, _BURST)
         wait_until(self._publisher.get_subscription_count, f"a subscription of {topic}")
 
@@ -50,21 +64,29 @@ class _Received:
         self.numbers += [int(cdr.decode(DrivingBoardMotorMessage, message).distance_to_go) for message in messages]
 
 
-def test_a_burst_arrives_whole_and_in_order(ours: RclpyMiddleware, judge: Judge) -> None:
+Receive = Callable[..., _Received]
+
+
+@pytest.fixture(params=[False, pytest.param(True, marks=needs_native)], ids=["Python", "core"])
+def receive(request: pytest.FixtureRequest, ours: RclpyMiddleware, judge: Judge) -> Receive:
+    """Starts to receive topics of the judge, by their names and priorities, with each of the two ways."""
+    return partial(_Received, ours, judge, open_core(REGISTRY) if request.param else None)
+
+
+def test_a_burst_arrives_whole_and_in_order(receive: Receive) -> None:
     """Each message of a burst that the queue holds reaches the callback, in order."""
-    received = _Received(ours, judge, "/a")
+    received = receive("/a")
     for number in range(_BURST):
         received.publish(number)
     wait_until(lambda: len(received.numbers) >= _BURST, "the burst")
     assert received.numbers == list(range(_BURST))
 
 
-def test_an_urgent_topic_is_served_first(ours: RclpyMiddleware, judge: Judge) -> None:
+def test_an_urgent_topic_is_served_first(receive: Receive, judge: Judge) -> None:
     """Messages that wait on two topics are handled by priority, whichever came first."""
     order: list[str] = []
     entered, go_on = threading.Event(), threading.Event()
-    blocking = _Received(ours, judge, "/blocking")
-    slow, urgent = _Received(ours, judge, "/slow"), _Received(ours, judge, "/urgent", priority=9)
+    blocking, slow, urgent = receive("/blocking"), receive("/slow"), receive("/urgent", priority=9)
     slow.on_first, urgent.on_first = (lambda: order.append("slow")), (lambda: order.append("urgent"))
     blocking.on_first = lambda: (entered.set(), go_on.wait(10))  # type: ignore[assignment]
     blocking.publish(0)
@@ -87,20 +109,19 @@ def _has_arrived(judge: Judge) -> None:
 
 @pytest.mark.parametrize("calls", [True, False], ids=["with callbacks", "without"])
 def test_a_shutdown_from_outside_ends_the_threads_quietly(
-    ours: RclpyMiddleware, judge: Judge, monkeypatch: pytest.MonkeyPatch, calls: bool
+    ours: RclpyMiddleware, receive: Receive, monkeypatch: pytest.MonkeyPatch, calls: bool
 ) -> None:
     """Where another part of the program shuts ROS 2 down, both threads end without a traceback.
 
-    A signal handler of rclpy's shuts contexts down without their callbacks; the thread that takes messages notices.
+    A signal handler of rclpy's shuts contexts down without their callbacks.
     """
     failures: list[Any] = []  # what ends threads by an exception from now on
     monkeypatch.setattr(threading, "excepthook", failures.append)
-    received = _Received(ours, judge, "/a")
+    received = receive("/a")
     repeat(lambda: received.publish(1), lambda: received.numbers, "a message")
     (ours._context if calls else ours._context.handle).shutdown()
     _wait_for_end("rclpy-take")
-    if calls:
-        _wait_for_end("rclpy-spin")
+    _wait_for_end("rclpy-spin")
     ours.close()
     assert not failures
 
@@ -138,7 +159,7 @@ def test_without_internal_names_the_executor_receives(
         ours = RclpyMiddleware(NodeIdentity("receiver"), None)
     with ours:
         assert "its executor receives the messages" in caplog.text
-        received = _Received(ours, judge, "/a")
+        received = _Received(ours, judge, None, "/a")
         repeat(lambda: received.publish(1), lambda: received.numbers, "a message")
 
 

@@ -75,12 +75,20 @@ typedef struct rl_signer {
   uint32_t number;       /* of the envelope's field */
   uint32_t strips_zeros; /* 1 if the peer gets its datagrams without the zeros at their end */
 } rl_signer;
+/* Allocator of rcl: rcutils_allocator_t. */
+typedef struct rl_rcl_allocator {
+  void *(*allocate)(size_t, void *state);
+  void (*deallocate)(void *, void *state);
+  void *(*reallocate)(void *, size_t, void *state);
+  void *(*zero_allocate)(size_t count, size_t, void *state);
+  void *state;
+} rl_rcl_allocator;
 
 /* Serialized message of rcl: rcutils_uint8_array_t, whose allocator is not used for publishing. */
 typedef struct rl_rcl_message {
-  const uint8_t *buffer;
+  uint8_t *buffer;
   size_t length, capacity;
-  void *allocator[5];
+  rl_rcl_allocator allocator;
 } rl_rcl_message;
 
 /* Functions of the middleware's library: those of Cyclone DDS, or the one of rcl. */
@@ -201,13 +209,14 @@ typedef struct rl_sample_info {
   uint32_t counts[5];
 } rl_sample_info;
 
-/* Functions of Cyclone DDS. */
+/* Functions of the middleware's library: those of Cyclone DDS, or the one of rcl. */
 typedef struct rl_reading {
   int32_t (*wait)(int32_t waitset, intptr_t *triggered, size_t most, int64_t timeout);
   int32_t (*take)(int32_t reader, void **serdata, uint32_t most, rl_sample_info *, uint32_t mask);
   uint32_t (*size)(const void *serdata);
   void (*bytes)(const void *serdata, size_t first, size_t size, void *out);
   void (*unref)(void *serdata);
+  int32_t (*take_one)(const void *subscription, rl_rcl_message *, void *info, void *allocation);
 } rl_reading;
 
 /* Topic whose messages go to a peer. */
@@ -226,7 +235,13 @@ typedef struct rl_subscription {
   uint32_t unused;
   uint64_t taken, sent;    /* N */
   int64_t sent_at;         /* N: time of the last datagram, in nanoseconds of the monotonic clock */
+  const void *subscription; /* of rcl */
+  uint32_t arrived;        /* 1 from `rl_arrived` until the thread looks for messages */
+  int32_t wake;            /* of rcl: what `rl_server` waits for */
 } rl_subscription;
+
+/* Tell the thread that a message has arrived: the callback of rcl for new messages. */
+RL_API void rl_arrived(const void *subscription, size_t count);
 
 /* Calls of Python; `topic` is an index in `topics`. Each returns 0; any other number ends `rl_serve`. */
 typedef struct rl_serving_calls {
@@ -245,7 +260,8 @@ typedef struct rl_server {
   rl_serving_calls calls;
   rl_ring *observers;              /* null without observers */
   uint32_t n_topics;
-  int32_t waitset;                 /* what triggers it is an index in `topics`, or -1 for `stopping` */
+  int32_t waitset;                 /* of Cyclone DDS: what triggers it is an index in `topics`, or -1 for `stopping`;
+                                      with rcl, an eventfd, and each topic has an rl_subscription */
   uint32_t stopping;               /* P: 1 makes `rl_serve` return */
   uint32_t unused;
 } rl_server;
