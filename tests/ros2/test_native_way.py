@@ -121,17 +121,17 @@ def _registry(case: _Case) -> Any:
 
 
 def _payload(datagram: bytes) -> str:
-    return REGISTRY.envelope.FromString(datagram).WhichOneof("payload") or ""
+    """The name of the payload; empty if there is none, or if the bytes are no envelope."""
+    with contextlib.suppress(DecodeError):
+        return REGISTRY.envelope.FromString(datagram).WhichOneof("payload") or ""
+    return ""
 
 
 def _signed(signers: Mapping[str, Signer]) -> Iterator[bytes]:
     """The datagrams, signed by the peers of their rows, and what an attacker or a bad network makes of such."""
     hardware, stranger = signers["hardware"], Signer(_NUMBER, Key(99, "x", bytes(32)), SigningClock())
     for datagram in _DATAGRAMS:
-        name = ""
-        with contextlib.suppress(DecodeError):
-            name = _payload(datagram)
-        handler = REGISTRY.by_name.get(name)
+        handler = REGISTRY.by_name.get(_payload(datagram))
         yield (signers[handler.route.peer] if handler else hardware).sign(datagram)
     one, early, late, other = (hardware.sign(pressure) for pressure in _PRESSURES[:4])
     yield from (one, one, late, early, _PRESSURES[0], signers["basestation"].sign(_PRESSURES[0]))
