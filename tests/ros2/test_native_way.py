@@ -13,7 +13,7 @@ import socket
 import threading
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import datetime, timezone
 from functools import partial
 from importlib.util import find_spec
@@ -201,6 +201,10 @@ def _have_arrived(arrived: Mapping[str, Sequence[bytes]], account: Account) -> b
     return [*map(len, arrived.values())] == [account.published["pressure_info"], account.extra_published[_EXTRA]]
 
 
+def _kept(make: Callable[..., Any], ends: dict[str, Any]) -> Callable[..., Any]:
+    return lambda topic, *given: ends.setdefault(topic, make(topic, *given))
+
+
 def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Observer], folder: Path) -> Sequence[Any]:
     """What arrives on two topics and at both peers, and what is counted."""
     peers = {name: socket.socket(type=socket.SOCK_DGRAM) for name in ("hardware", "basestation")}
@@ -222,19 +226,28 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
     types = {handler.route.topic: handler.message_type for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics)}
     with open_middleware("dds", NodeIdentity("observer")) as observer:
         node = open_middleware(middleware, NodeIdentity("bridge"))
+        of_bridge: dict[str, Any] = {}  # its publishers and subscriptions
+        node.publisher, node.subscribe = _kept(node.publisher, of_bridge), _kept(node.subscribe, of_bridge)  # type: ignore[method-assign]
         tapped = node
         for one in observers:
             tapped = TappedMiddleware(tapped, one)
         bridge = Bridge(registry, settings, tapped, lambda topic: f"/{topic}", _LOGGER, observers, keys)
         with bridge:
-            for topic, messages in arrived.items():
+            subscriptions = [
                 observer.subscribe(f"/{topic}", types[topic], Qos(depth=100), messages.extend)
+                for topic, messages in arrived.items()
+            ]
             commands = {
                 one: observer.publisher(f"/{one.route.topic}", one.message_type, Qos(depth=100)) for one in _OUTBOUND
             }
-            for topic in arrived:
-                wait_until(lambda topic=topic: node.endpoints(f"/{topic}", publishing=False), topic)  # type: ignore[misc]
-            wait_until(lambda: all(command.has_subscribers() for command in commands.values()), "the bridge")
+            # Both ends have to know each other: a reader ignores what comes from an unknown writer.
+            known = [
+                *(one.has_publishers for one in subscriptions),
+                *(of_bridge[f"/{topic}"].has_subscribers for topic in arrived),
+            ]
+            for handler, command in commands.items():
+                known += [command.has_subscribers, of_bridge[f"/{handler.route.topic}"].has_publishers]
+            wait_until(lambda: all(one() for one in known), "the ends of all topics")
             board = peers["hardware"]
             for count, datagram in enumerate(datagrams, 1):
                 board.sendto(datagram, ("127.0.0.1", bridge.port))
