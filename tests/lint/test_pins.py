@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from comparing import changes_found, compiled
 from mutations import BASE, MODERN, MUTATIONS, together
-from repositories import RepositoryBuilder, message
+from repositories import RepositoryBuilder, git, message
 
 from roverlink.__main__ import main
 from roverlink.generator.diagnostics import Severity
@@ -116,6 +116,10 @@ class Arms:
         found: list[dict[str, Any]] = json.loads(self.lint(*pins, json_of=True))
         return found
 
+    def id(self, ref: str) -> str:
+        """The short id of a commit."""
+        return git(self._repository.root, "rev-parse", "--short=10", ref).strip()
+
 
 @pytest.fixture
 def arms(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Arms:
@@ -125,7 +129,7 @@ def arms(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Arms:
 
 @pytest.mark.slow
 def test_many_projects_with_two_states_give_one_finding(arms: Arms) -> None:
-    """Ten projects of two states differ in one field: one finding names all and helps, and the matrix has two rows."""
+    """Ten projects of two states differ in one field: one finding names all of them, and the matrix has two rows."""
     arms.commit("Change", "float humidity", "float current")
     pins = [f"board{index} main~{index % 2}" for index in range(10)]
     (found,) = arms.found(*pins)
@@ -134,11 +138,25 @@ def test_many_projects_with_two_states_give_one_finding(arms: Arms) -> None:
         "but `float humidity = 1;` in this checkout, 'board0', 'board2', 'board4', 'board6' and 'board8': "
         "'voltage' and 'humidity' are different words"
     )
+    assert [row[1:] for row in _verdicts(arms.lint(*pins))] == [["same", "misread 1"], ["misread 1", "same"]]
+
+
+@pytest.mark.slow
+def test_a_finding_names_declarations_commits_and_what_to_do(arms: Arms) -> None:
+    """Two projects and the checkout: each declaration with its commit, each commit with its projects."""
+    arms.commit("Measure humidity", "float humidity", "float current")
+    (found,) = arms.found("rover main", "arm main~1")
+    old, new = arms.id("main~1"), arms.id("main")
+    assert (found["id"], found["severity"], found["path"], found["line"]) == ("PIN102", "error", "arm.proto", 4)
+    assert [(one["path"], one["line"], one["text"]) for one in found["also"]] == [
+        (f"{old}:protos/arm.proto", 4, f"`float voltage = 1;` at {old} 2026-02-04 Begin"),
+        (str(arms.pins), 2, f"'arm' is pinned to {old} 2026-02-04 Begin"),
+        (str(arms.pins), 1, f"'rover' is pinned to {new} 2026-02-05 Measure humidity"),
+    ]
     assert found["help"] == (
         "build the other projects from this checkout before they exchange messages with it, "
         "or put back `float voltage = 1;` and give the new declaration a number of its own"
     )
-    assert [row[1:] for row in _verdicts(arms.lint(*pins))] == [["same", "misread 1"], ["misread 1", "same"]]
 
 
 @pytest.mark.slow
