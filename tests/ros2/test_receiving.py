@@ -51,7 +51,7 @@ class _Received:
         subscription = ours.subscribe(topic, DrivingBoardMotorMessage, Qos(depth=_BURST), self._take, priority)
         if core:
             assert isinstance(subscription, NativeSubscription)
-            subscription.lend_to(core, LentTopic(native.Subscription(), self._take))
+            subscription.lend_to(core, LentTopic(native.Subscription(), self._take, lambda: None))
         self._publisher = judge.node.create_publisher(interface(_MOTOR), topic, _BURST)
         wait_until(self._publisher.get_subscription_count, f"a subscription of {topic}")
 
