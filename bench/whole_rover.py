@@ -50,7 +50,7 @@ QUICK_CASES = (PLAIN, EVERYTHING)
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """What a bridge needed for a case."""
+    """Measured cost of a case with a bridge."""
 
     case: str
     contestant: str

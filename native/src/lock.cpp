@@ -1,3 +1,4 @@
+// The lock for threads of Python.
 #include "lock.hpp"
 
 extern "C" {

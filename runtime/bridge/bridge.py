@@ -252,7 +252,7 @@ class Bridge:
         self._forwarding.follow(parameters.forward_policy)
         if self._link is not None:
             self._link.follow(parameters.link_policy)
-        if _reading(parameters) != _reading(before):
+        if self._reading(parameters) != self._reading(before):
             self._receiver.pass_to(*self._receiving(parameters))
         if self._native is not None:
             self._native.follow(parameters.forward_policy)
@@ -351,13 +351,15 @@ class Bridge:
         """Return a sender if another datagram of a row from it needs no decision but its rate: it teaches nothing."""
         if not self._ends.knows(row, sender.address):
             return None
-        if not self._restricts(self._parameters):
+        restricts, _ = self._reading(self._parameters)
+        if not restricts:
             return UNLIMITED
         return self._admission.gate.source(sender.ip, self._registry.by_name[row].route.peer)
 
-    def _restricts(self, parameters: Parameters) -> bool:
-        """Return true if senders are checked: the table restricts those of a peer, and the policy says so."""
-        return parameters.source_policy == "mapping" and restricts_sources(self._registry.peers)
+    def _reading(self, parameters: Parameters) -> tuple[bool, bool]:
+        """Return how datagrams are read: true if senders are checked, and true if the address of an end is learned."""
+        restricts = parameters.source_policy == "mapping" and restricts_sources(self._registry.peers)
+        return restricts, any(address.hosts == (LEARN,) for address in parameters.addresses.values())
 
     def _not_accepted(self, handler: AnyHandler | AnyStandardHandler) -> None:
         """Count a message of the native core that the middleware has not accepted."""
@@ -374,8 +376,7 @@ class Bridge:
         The addresses of senders are read only if the table restricts senders, or if an end's address is learned,
         because reading them costs time.
         """
-        _, learns = _reading(parameters)
-        restricts = self._restricts(parameters)
+        restricts, learns = self._reading(parameters)
         handle: Callable[[list[Any]], None] = self._handle_with_sources if restricts else self._handle_observed
         if learns:
             return partial(self._handle_and_learn, handle, restricts), udp.sender_reader
@@ -520,8 +521,3 @@ _WITH_SENDER: dict[Callable[..., Any], Callable[[bytes, Sender], Any] | None] = 
 
 It takes a datagram and its sender; None if a member is only the datagram.
 """
-
-
-def _reading(parameters: Parameters) -> tuple[str, bool]:
-    """Return what decides how datagrams are read: the source policy, and true if the address of an end is learned."""
-    return parameters.source_policy, any(address.hosts == (LEARN,) for address in parameters.addresses.values())

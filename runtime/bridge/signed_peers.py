@@ -79,7 +79,7 @@ class SignedPeers:
         return self._links.signer((board, peer)) if self._links is not None and peer in self.must_sign else None
 
     def streams(self, route: Route) -> list[Stream]:
-        """Return what the keys have signed that may sign the datagrams of a row whose peer must sign."""
+        """Return the streams of the keys that may sign the datagrams of a row whose peer must sign."""
         streams = self._links.verifier.streams.values() if self._links is not None else ()
         return [stream for stream in streams if stream.sender in (route.peer, route.board)]
 

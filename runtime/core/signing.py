@@ -175,7 +175,7 @@ class Verifier:
         self._start = _field_start(number)
         self._size = len(self._start) + SIGNATURE_BYTES
         self.streams = {key.id: Stream(key, last, clock) for key, last, clock in keys}
-        """What is signed with each key, by the key's id."""
+        """Stream of each key, by the key's id."""
         self.ahead: Counter[str] = Counter()
         """Accepted datagrams that were more than a minute ahead of the computer's clock, by their signer."""
 

@@ -18,7 +18,7 @@ class SharedKeys:
         self._signers: dict[int, native.Signer] = {}
 
     def stream(self, stream: Stream) -> Stream:
-        """Share what a key of a peer has signed."""
+        """Share the stream of a key of a peer."""
         self._share_clock(stream.clock)
         return stream
 
