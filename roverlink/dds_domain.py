@@ -17,8 +17,8 @@ def claim_domain(held: ExitStack) -> int:
     """Return a DDS domain that is ours until ``held`` is closed.
 
     Two programs that call this function never get the same domain, and neither gets one that another program is in. A
-    domain that this process has given back waits until it has had the others: Cyclone DDS keeps the configuration of a
-    domain as long as an entity in it exists.
+    domain that this process has given back waits until it has had the others: an entity in it may still exist, and then
+    Cyclone DDS keeps the configuration of the domain.
 
     Raises `OSError` if all of the domains are taken.
     """

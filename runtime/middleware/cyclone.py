@@ -11,7 +11,6 @@
 
 from __future__ import annotations
 
-import atexit
 import ctypes
 from collections.abc import Sequence
 from itertools import repeat
@@ -176,8 +175,3 @@ def reading_functions() -> Reading:
 def delete(entity: Entity) -> None:
     """Delete a DDS entity and everything that was created from it, without waiting for Python's garbage collector."""
     _delete(entity._ref)
-
-
-def delete_at_exit(entity: Entity) -> None:
-    """Delete a DDS entity when the program ends, but before Python shuts down."""
-    atexit.register(delete, entity)

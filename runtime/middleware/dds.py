@@ -8,12 +8,13 @@ Other ROS 2 nodes see an ordinary publisher or subscriber. This module follows t
 
 from __future__ import annotations
 
+import atexit
 import logging
 import os
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 from cyclonedds.core import DDSException, GuardCondition, ReadCondition, WaitSet
@@ -39,7 +40,6 @@ from roverlink.runtime.middleware.cyclone import (
     RawReader,
     RawWriter,
     delete,
-    delete_at_exit,
     reading_functions,
 )
 from roverlink.runtime.middleware.dds_graph import DdsGraph
@@ -133,11 +133,9 @@ class DdsMiddleware(Middleware):
     """
 
     def __init__(self, node: NodeIdentity, parameters: NodeParameters | None = None) -> None:
-        domain_id = ros_domain()
+        self._domain_id = domain_id = ros_domain()
         try:
-            _configure(domain_id)
-            # The user data that ROS 2 sets on its participants: the default security enclave.
-            self._participant = DomainParticipant(domain_id, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
+            self._participant = _join(domain_id)
         except DDSException as error:
             raise MiddlewareError(f"Cyclone DDS cannot join domain {domain_id}: {error}") from error
         self._joined_addresses = JoinedAddresses()
@@ -249,7 +247,7 @@ class DdsMiddleware(Middleware):
         deadline = time.monotonic() + _LEAVE_S
         for publisher in self._publishers:
             publisher.leave(max(0.0, deadline - time.monotonic()))
-        delete(self._participant)
+        _leave(self._participant, self._domain_id)
 
     def _parameter_events(self, node: NodeIdentity) -> Callable[[Sequence[Parameter]], None]:
         """Return a function that publishes changed parameters of the node, as every ROS 2 node does."""
@@ -307,26 +305,50 @@ class DdsMiddleware(Middleware):
             self._serving.release()
 
 
-def _configure(domain_id: int) -> None:
-    """Restrict DDS to this host if ROS 2's environment variables ask for it and CYCLONEDDS_URI is not set."""
-    # A user's own configuration has priority.
-    users_own = os.environ.get("CYCLONEDDS_URI", "")
-    _domain(domain_id, users_own or (_LOCALHOST_ONLY if is_local() else ""))
+_domains: dict[int, tuple[Domain, str]] = {}
+"""Domains that this process has configured, each with the configuration."""
+_joining = threading.Lock()
 
 
-@cache
-def _domain(domain_id: int, configuration: str) -> Domain | None:
-    """Configure a DDS domain if this process has not configured it yet; the configuration lasts until the process ends.
+def _join(domain_id: int) -> DomainParticipant:
+    """Join a DDS domain, which gets our configuration if this process has not joined it yet.
 
-    Must be called before the first participant of the domain is created.
+    DDS stays on this host if ROS 2's environment variables ask for it and CYCLONEDDS_URI is not set.
     """
+    # A user's own configuration has priority.
+    users_own = os.environ.get("CYCLONEDDS_URI", "") or (_LOCALHOST_ONLY if is_local() else "")
+    configuration = ",".join(filter(None, (_LEAVE_AT_ONCE, _WITHOUT_FAST_TYPES, users_own)))
+    with _joining:
+        if _domains.get(domain_id, ("", ""))[1] != configuration:
+            _configure(domain_id, configuration)
+        # The user data that ROS 2 sets on its participants: the default security enclave.
+        return DomainParticipant(domain_id, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
+
+
+def _configure(domain_id: int, configuration: str) -> None:
     try:
-        domain = Domain(domain_id, ",".join(filter(None, (_LEAVE_AT_ONCE, _WITHOUT_FAST_TYPES, configuration))))
+        domain = Domain(domain_id, configuration)
     except DDSException as error:
-        # Another part of the program has joined the domain before us and has configured it.
+        # We, or another part of the program, have joined the domain before and have configured it.
         logging.getLogger("roverlink").warning(
             "DDS domain %d is in use by this process already and keeps its configuration: %s", domain_id, error
         )
-        return None
-    delete_at_exit(domain)
-    return domain
+        return
+    _domains[domain_id] = domain, configuration
+
+
+def _leave(participant: DomainParticipant, domain_id: int) -> None:
+    """Leave a DDS domain. The domain's threads and ports go with the last participant of this process."""
+    with _joining:
+        delete(participant)
+        domain, _ = _domains.get(domain_id, (None, ""))
+        if domain is not None and not domain.get_participants():
+            delete(domain)
+            del _domains[domain_id]
+
+
+@atexit.register
+def _leave_all() -> None:
+    """Delete the domains before Python shuts down (see "Deletion" in `cyclone`)."""
+    for domain, _ in _domains.values():
+        delete(domain)

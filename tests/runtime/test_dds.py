@@ -372,6 +372,22 @@ def test_a_program_that_is_in_the_domain_already_can_join_as_a_node(
         del participant, domain
 
 
+def test_the_last_node_to_leave_gives_back_the_domain(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """While one is in it, the domain keeps its configuration; after the last has left, a node brings its own."""
+    said = []
+    with contextlib.ExitStack() as joined:
+        joined.enter_context(open_middleware("dds", NodeIdentity("first")))
+        monkeypatch.setenv("CYCLONEDDS_URI", _OWN_CONFIGURATION.replace("auto", "none"))
+        for name in ("second", "third"):
+            joined.enter_context(open_middleware("dds", NodeIdentity(name)))
+            said.append("keeps its configuration" in caplog.text)
+            joined.close()
+            caplog.clear()
+    assert said == [True, False]
+
+
 def test_a_process_claims_another_domain_each_time() -> None:
     """Entities of a domain that was given back may still exist, with its configuration."""
     numbers = set[int]()
