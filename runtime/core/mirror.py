@@ -23,7 +23,8 @@ H = TypeVar("H", bound=Handler)  # type: ignore[type-arg]  # of any payload and 
 def mirrored(registry: Registry, end: EndName, port: int) -> Registry:
     """Return the registry of a bridge that is the peer or board ``end``.
 
-    ``port`` is the UDP port on which the rover's bridge listens, if the parameter is not given. Raises `SetupError` if the peer has boards with ports of their own, which one bridge cannot all be.
+    ``port`` is the UDP port on which the rover's bridge listens, if the parameter is not given. Raises `SetupError` if
+    the peer has boards with ports of their own, which one bridge cannot all be.
     """
     peer = registry.peers_by_name[end.peer]
     if peer.boards and not end.board:
