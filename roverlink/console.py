@@ -103,8 +103,8 @@ def add_end(parser: argparse.ArgumentParser) -> None:
         dest="end",
         default="",
         metavar="PEER",
-        help="be this peer of the table (or a board), with ROS 2 at this end, too: send what the peer sends from topics "
-        "to the rover, and publish what the rover sends to it (default: be the rover)",
+        help="be this peer of the table (or a board), with ROS 2 at this end, too: send what the peer sends from "
+        "topics to the rover, and publish what the rover sends to it (default: be the rover)",
     )
 
 

@@ -64,15 +64,11 @@ class BothEnds:
 
     def settle(self) -> None:
         """Wait until all that one bridge has sent has come to the other, or is lost."""
-        for near, far, peer, link in (
-            (self.rover, self.base, self.base_end.peer, self.to_base),
-            (self.base, self.rover, ROVER, self.to_rover),
-        ):
-            rows = (self.registry if near is self.rover else self.mirror).by_name
-            account = near.account
-            own = sum(count for name, count in account.sent.items() if rows[name].route.peer == peer)
-            link.wait_for(own + account.forwarded[peer] + account.links_sent[peer])
-            wait_until(lambda far=far, link=link: far.account.received >= link.handed_on, "what is not lost")  # type: ignore[misc]
+        ways = (
+            (self.rover, self.registry, self.base_end.peer, self.to_base, self.base),
+            (self.base, self.mirror, ROVER, self.to_rover, self.rover),
+        )
+        wait_until(lambda: all(_is_through(*way) for way in ways), "what is on its way")
 
     def __enter__(self) -> BothEnds:
         for one in (*self.bridges, self.to_base, self.to_rover):
@@ -84,6 +80,13 @@ class BothEnds:
             bridge.stop()
         self._held.close()
         assert [bridge.account.discrepancies() for bridge in self.bridges] == [[], []]
+
+
+def _is_through(near: Bridge, registry: Registry, peer: str, link: Relay, far: Bridge) -> bool:
+    account = near.account
+    own = sum(count for row, count in account.sent.items() if registry.by_name[row].route.peer == peer)
+    sent = own + account.forwarded[peer] + account.links_sent[peer]
+    return link.has_taken(sent) and far.account.received >= link.handed_on
 
 
 def copied_keys(folder: Path, end: str) -> Callable[[Registry], SignedLinks | None]:
