@@ -195,8 +195,9 @@ class Bridge:
         qos_watch = QosWatch(routes, self._middleware.endpoints, self._account, self._counters.warnings)
         network_watch = NetworkWatch(self._middleware.address_changes, self._account, self._counters.warnings)
         looks: list[TimedTask] = [*filter(None, watches), qos_watch, network_watch]
-        if self._registry.own is not None and outbound:
-            looks.append(LoopWatch(routes, self._middleware.endpoints, NODE))
+        if self._registry.own is not None:
+            taken = [self._topic(handler.route.topic) for handler in outbound]
+            looks.append(LoopWatch(taken, self._middleware.endpoints, NODE))
         self._watch = Timekeeper("graph-watch", looks, self._fail)
         self._warn_of_small_buffer()
         self._native = self._native_way([*zip(outbound, self._outbound_rows, subscriptions)])
