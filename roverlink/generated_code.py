@@ -13,7 +13,6 @@ from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.table import reader
 from roverlink.runtime import Registry, load_registry
 from roverlink.runtime.core.mirror import end_named, mirrored
-from roverlink.runtime.ros_arguments.parameters import LISTEN_PORT
 
 
 def load_project(folder: Path, end: str = "") -> Registry:
@@ -24,7 +23,11 @@ def load_project(folder: Path, end: str = "") -> Registry:
     `RegistryError` in the same cases as `load_registry`, and `SetupError` if the table has no such end.
     """
     registry = _load(folder)
-    return mirrored(registry, end_named(registry, end), int(LISTEN_PORT)) if end else registry
+    if not end:
+        return registry
+    from roverlink.runtime.ros_arguments.parameters import LISTEN_PORT  # here: few commands need the parameters
+
+    return mirrored(registry, end_named(registry, end), int(LISTEN_PORT))
 
 
 def _load(folder: Path) -> Registry:
