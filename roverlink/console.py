@@ -96,6 +96,18 @@ def add_project(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_end(parser: argparse.ArgumentParser) -> None:
+    """Add the option ``--as`` to a parser: the end of the link at which this computer is."""
+    parser.add_argument(
+        "--as",
+        dest="end",
+        default="",
+        metavar="PEER",
+        help="be this peer of the table (or a board), with ROS 2 at this end, too: send what the peer sends from "
+        "topics to the rover, and publish what the rover sends to it (default: be the rover)",
+    )
+
+
 def add_key_file(parser: argparse.ArgumentParser, help: str) -> None:
     """Add the option ``--key-file`` to a parser: files with keys for signatures; ``help`` says what they are for."""
     parser.add_argument("--key-file", type=Path, action="append", default=[], metavar="FILE", help=help)

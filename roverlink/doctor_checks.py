@@ -62,12 +62,13 @@ class CheckResult:
         return dataclasses.asdict(self)
 
 
-def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) -> list[CheckResult]:
+def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = (), end: str = "") -> list[CheckResult]:
     """Run all checks and return their results. A check that fails is a result, not an exception.
 
     ``project`` is the folder of the project; None for the nearest one, from the current folder upwards. ``ros`` holds
     the parameters of the bridge to check, such as its UDP port. ``pins`` are files and repositories that say which
-    commit of the .proto files other projects use. Raises `DiagnosticsError` if they cannot be read.
+    commit of the .proto files other projects use. ``end`` is the peer or board that this computer is, if it is not the
+    rover. Raises `DiagnosticsError` if they cannot be read.
     """
     pinned = None
     if pins:  # imported here: the lint is slow to import, and few users of doctor need it
@@ -77,7 +78,7 @@ def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = ()) 
     found, registry = list(_python()), None
     examined = "generated code"
     try:
-        registry = load_project(project_folder(project))
+        registry = load_project(project_folder(project), end)
         messages, fingerprint = counted(len(registry.handlers), "message"), registry.fingerprint[:12]
         found.append(CheckResult("ok", examined, f"{messages}, fingerprint of the table {fingerprint}"))
         found += [*_table(project_folder(project)), *_native_core(registry)]

@@ -12,14 +12,25 @@ from roverlink.generator.content_digest import proto_digest, table_digest
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
 from roverlink.generator.table import reader
 from roverlink.runtime import Registry, load_registry
+from roverlink.runtime.core.mirror import end_named, mirrored
 
 
-def load_project(folder: Path) -> Registry:
+def load_project(folder: Path, end: str = "") -> Registry:
     """Import the generated code of the project in ``folder``, and return its registry: the list of all handlers.
 
     The import name of the generated code is the table's ``python.package``, or ``generated`` if there is no readable
-    table. Raises `RegistryError` in the same cases as `load_registry`.
+    table. ``end`` is a peer or board if the registry is for its end of the link, and not for the rover's. Raises
+    `RegistryError` in the same cases as `load_registry`, and `SetupError` if the table has no such end.
     """
+    registry = _load(folder)
+    if not end:
+        return registry
+    from roverlink.runtime.ros_arguments.parameters import LISTEN_PORT  # here: few commands need the parameters
+
+    return mirrored(registry, end_named(registry, end), int(LISTEN_PORT))
+
+
+def _load(folder: Path) -> Registry:
     ignored: list[Diagnostic] = []  # only `generate` and `lint` show them
     try:
         # The user runs this project, so a link is followed to any place: `colcon build --symlink-install` makes links.

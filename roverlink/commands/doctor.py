@@ -22,7 +22,7 @@ import json
 from pathlib import Path
 
 from roverlink import doctor_checks
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_project, documented_command, project_folder
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_end, add_project, documented_command, project_folder
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.runtime import NODE
@@ -35,6 +35,7 @@ def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
     parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
+    add_end(parser)
     parser.add_argument(
         "--json",
         action="store_true",
@@ -56,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the results of all checks. The exit code is 1 if a result is an error."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     try:
-        found = doctor_checks.examine(arguments.project, ros, arguments.pins)
+        found = doctor_checks.examine(arguments.project, ros, arguments.pins, arguments.end)
     except DiagnosticsError as error:
         show_error(error, project_folder(arguments.project))
         return UNABLE

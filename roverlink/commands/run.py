@@ -28,6 +28,7 @@ from roverlink.console import (
     LOG_FORMATS,
     OK,
     Subparsers,
+    add_end,
     add_key_file,
     add_middleware,
     add_project,
@@ -68,6 +69,7 @@ def add(commands: Subparsers) -> None:
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that `roverlink run` and `roverlink record` have in common to a parser."""
     add_project(parser)
+    add_end(parser)
     add_middleware(parser)
     parser.add_argument(
         "--json",
@@ -95,7 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
     ros = ros_args.parse(arguments.ros_args, NODE)
     logger = node_logger(ros.node.name, ros.log_level if ros.logs_to_console else None, arguments.log_format)
     project = project_folder(arguments.project)
-    registry = load_project(project)
+    registry = load_project(project, arguments.end)
     settings = parameters.read(registry, ros.parameters_in(parameters.declarations(registry), logger))
     live = LiveParameters(registry, settings, logger)
     links = open_links(registry, arguments.key_file, logger)
@@ -154,6 +156,11 @@ def _announce(registry: Registry, node: str, port: int, logger: logging.Logger, 
     """
     messages, fingerprint = len(registry.handlers), registry.fingerprint
     logger.info("%s bridges %s on UDP port %d", node, counted(messages, "message"), port)
+    if registry.own is not None:
+        left_out = ", ".join(registry.own.left_out) or "none"
+        logger.info(
+            "this end of the link is %s; rows of other ends, which are left out: %s", registry.own.name, left_out
+        )
     logger.info("fingerprint of table and schema: %s", fingerprint)
     if json_too:
         ready = {"node": node, "port": port, "messages": messages, "fingerprint": fingerprint}

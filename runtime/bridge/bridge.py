@@ -31,6 +31,7 @@ from roverlink.runtime.bridge.extra_topics import ExtraTopics
 from roverlink.runtime.bridge.forwarding import Forwarding
 from roverlink.runtime.bridge.handling_times import Handle, HandlingTimes, Latencies
 from roverlink.runtime.bridge.link_exchange import EndReport, LinkExchange
+from roverlink.runtime.bridge.loop_watch import LoopWatch
 from roverlink.runtime.bridge.native_way import DatagramObserver, NativeWay
 from roverlink.runtime.bridge.network_watch import NetworkWatch
 from roverlink.runtime.bridge.qos_watch import QosWatch
@@ -38,7 +39,7 @@ from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
 from roverlink.runtime.bridge.to_peer import OutboundRow, Send
 from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
-from roverlink.runtime.core.errors import DatagramError, FailedThreadError, Reason
+from roverlink.runtime.core.errors import DatagramError, FailedThreadError, Reason, RoverlinkError, SetupError
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, EndName, Registry
 from roverlink.runtime.core.translator import Translation, Translator
 from roverlink.runtime.interfaces import Time
@@ -138,7 +139,7 @@ class Bridge:
             self._sending,
             self._counters,
         )
-        self._failure: FailedThreadError | None = None
+        self._failure: RoverlinkError | None = None
         self._link = self._exchange(parameters.link_policy)
 
     @property
@@ -193,7 +194,11 @@ class Bridge:
         routes = {self._topic(handler.route.topic): handler.route for handler in handlers}
         qos_watch = QosWatch(routes, self._middleware.endpoints, self._account, self._counters.warnings)
         network_watch = NetworkWatch(self._middleware.address_changes, self._account, self._counters.warnings)
-        self._watch = Timekeeper("graph-watch", [*filter(None, watches), qos_watch, network_watch], self._fail)
+        looks: list[TimedTask] = [*filter(None, watches), qos_watch, network_watch]
+        if self._registry.own is not None:
+            taken = [self._topic(handler.route.topic) for handler in outbound]
+            looks.append(LoopWatch(taken, self._middleware.endpoints, NODE))
+        self._watch = Timekeeper("graph-watch", looks, self._fail)
         self._warn_of_small_buffer()
         self._native = self._native_way([*zip(outbound, self._outbound_rows, subscriptions)])
         self._ends.start()
@@ -237,7 +242,10 @@ class Bridge:
         self._receiver.stop()
 
     def run(self) -> None:
-        """Wait until `stop` is called. Raises `FailedThreadError` if an error ended a thread of the bridge."""
+        """Wait until `stop` is called. Raises `FailedThreadError` if an error ended a thread of the bridge.
+
+        Raises `SetupError` if the rover's bridge has the same topics as this one, which is the other end of the link.
+        """
         self._receiver.join()
         if self._failure is not None:
             raise self._failure
@@ -497,7 +505,9 @@ class Bridge:
 
     def _fail(self, failure: BaseException) -> None:
         """Stop the bridge because the calling thread failed; `run` raises the error."""
-        self._failure = self._failure or FailedThreadError(threading.current_thread().name, failure)
+        if not isinstance(failure, SetupError):  # which only shows after the start
+            failure = FailedThreadError(threading.current_thread().name, failure)
+        self._failure = self._failure or failure
         self.stop()
 
     def _warn_of_small_buffer(self) -> None:

@@ -72,9 +72,16 @@ class Ends:
         """
         self.on_learned: Callable[[], None] = lambda: None
         """Function that is called when the address of an end was learned."""
+        # The rover learns the port from which our datagrams come, and sends there.
+        shared = own if registry.own is not None and not registry.own.port else None
         self._steered = {
             name: _Steering(
-                name, end, partial(_note, counters, name), lambda: self.on_learned(), own.family == socket.AF_INET
+                name,
+                end,
+                partial(_note, counters, name),
+                lambda: self.on_learned(),
+                own.family == socket.AF_INET,
+                shared,
             )
             for name, end in registry.ends.items()
         }
@@ -143,9 +150,17 @@ def _note(counters: Counters, name: EndName, event: LinkEvent, text: str) -> Non
 class _Steering:
     """Steering of one end's destination: it directs the destination to the addresses of the end's hosts."""
 
-    def __init__(self, name: EndName, end: End, note: Note, learned: Callable[[], None], ipv4_only: bool) -> None:
+    def __init__(
+        self,
+        name: EndName,
+        end: End,
+        note: Note,
+        learned: Callable[[], None],
+        ipv4_only: bool,
+        shared: socket.socket | None,
+    ) -> None:
         self._end, self._note, self._learned, self._ipv4_only = end, note, learned, ipv4_only
-        self.destination = Destination(name, report=self._reachability_changed)
+        self.destination = Destination(name, report=self._reachability_changed, shared=shared)
         self._lock = threading.RLock()
         self._running = False
         self._wanted = EndAddress((), 0)

@@ -14,7 +14,7 @@ from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.core.signing import Signer, Stream
 from roverlink.runtime.core.translator import Translator, VerifyingTranslator
-from roverlink.runtime.keys.signed_links import SignedLinks
+from roverlink.runtime.keys.signed_links import SignedLinks, owner_of
 from roverlink.runtime.net.destination import Destination
 
 
@@ -28,6 +28,10 @@ def open_links(registry: Registry, files: Sequence[Path], logger: logging.Logger
             cure = "add `signing: {number: N}` to the table, or leave out the key file"
             raise SetupError(f"{files[0]}: the table has no `signing`, so no datagram can be signed; {cure}")
         return None
+    if registry.own is not None:
+        (rover,) = registry.peers
+        owner = owner_of(registry.own.name, files)
+        return SignedLinks(registry.signature, files, logger, owner, bridge=rover.name)
     links = SignedLinks(registry.signature, files, logger)
     boards = {handler.route.board for handler in registry.handlers if handler.route.board}
     links.check_ends([*registry.peers_by_name, *sorted(boards)])
@@ -96,7 +100,7 @@ class SignedPeers:
             if route.peer in self.must_sign:
                 has_key = self._links and (self._links.hears(ends) if route.inbound else self._links.signer(ends))
                 if not has_key:
-                    yield _without_key(" or ".join(map(repr, ends)), ends[-1])
+                    yield self._without_key(" or ".join(map(repr, ends)), ends[-1])
         # Boards at one address share a key for what goes to all of them: forwarded datagrams and link messages.
         forwarded = {
             peer for handler in self._registry.handlers if handler.route.inbound for peer in handler.route.forward
@@ -104,7 +108,15 @@ class SignedPeers:
         for peer, board in self._registry.ends:
             gets_these = peer in self.must_sign and (self._registry.link is not None or peer in forwarded)
             if gets_these and not (self._links and self._links.signer((board, peer))):
-                yield _without_key(repr(board or peer), board or peer)
+                yield self._without_key(repr(board or peer), board or peer)
+
+    def _without_key(self, who: str, end: str) -> str:
+        if self._registry.own is not None:
+            end = self._registry.own.name.peer
+            cure = f"give a copy of the key file of {end!r} that the rover has with --key-file FILE"
+        else:
+            cure = f"make a key file with `roverlink link keygen {end}`, and give it to the bridge with --key-file FILE"
+        return f"datagrams of {who} must be signed (table key `sign`), but there is no key; {cure}"
 
 
 class _SignedSender:
@@ -125,8 +137,3 @@ class _SignedSender:
         with self._signer.lock:
             signed = [self._signer.sign(restore(datagram)) for datagram in datagrams]
             return send([*map(strip_trailing_zeros, signed)] if self._strips_zeros else signed)
-
-
-def _without_key(who: str, end: str) -> str:
-    cure = f"make a key file with `roverlink link keygen {end}`, and give it to the bridge with --key-file FILE"
-    return f"datagrams of {who} must be signed (table key `sign`), but there is no key; {cure}"

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.registry import EndName, Registry
-from roverlink.runtime.keys.key_file import BRIDGE, read_keys
-from roverlink.runtime.keys.signed_links import SignedLinks
+from roverlink.runtime.keys.key_file import BRIDGE
+from roverlink.runtime.keys.signed_links import SignedLinks, owner_of
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -24,8 +24,7 @@ class Signatures(SignedLinks):
         """
         if registry.signature is None:
             raise SetupError(f"{files[0]}: the table has no `signing`; leave out the key file")
-        owners = {file_key.end for path in files for file_key in read_keys(path)}
-        super().__init__(registry.signature, files, _LOGGER, end.board if end.board in owners else end.peer)
+        super().__init__(registry.signature, files, _LOGGER, owner_of(end, files))
         signer = self.signer([BRIDGE])
         if signer is None:
             raise SetupError(f"{files[0]}: the file has no key with which {end} signs datagrams to the bridge")

@@ -59,9 +59,9 @@ def rows_in_turn(registry: Registry, end: EndName) -> list[int]:
     """Return the numbers of the rows that an end speaks, in the order in which its link messages tell them.
 
     The rows that it sends or receives itself come first, because they tell who the sender is. The rows that are
-    forwarded to it follow.
+    forwarded to it follow. Otherwise they are in the order of the registry.
     """
-    routes = sorted((handler.route for handler in registry.handlers), key=lambda route: route.number)
+    routes = [handler.route for handler in registry.handlers]
     own = [route.number for route in routes if route.peer == end.peer and end.board in ("", route.board)]
     gets_forwarded = not end.board or end in registry.ends  # otherwise the datagrams go to its peer
     forwarded = [route.number for route in routes if route.inbound and end.peer in route.forward and gets_forwarded]

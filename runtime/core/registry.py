@@ -93,6 +93,16 @@ class Link:
     """Hash (32 bits) of the wire schema of each row's payload, by the payload's number."""
 
 
+class OwnEnd(NamedTuple):
+    """End of the table that a bridge with a mirrored registry is (`mirror.mirrored`)."""
+
+    name: EndName
+    port: int
+    """UDP port on which it listens, if the parameter is not given; 0 for any free port, which the rover learns."""
+    left_out: tuple[str, ...]
+    """Names of the rows of other ends, which the mirrored registry does not have."""
+
+
 @dataclass(frozen=True)
 class Registry:
     """All handlers of a table, with the class of the envelope that carries their payloads."""
@@ -118,6 +128,8 @@ class Registry:
     sources: Mapping[str, str] = field(default_factory=dict)
     """Digest of the table and of each .proto file from which the code was generated, by the path relative to the table.
     """
+    own: OwnEnd | None = None
+    """End of the table that this bridge is; None for the bridge of the table itself, on the rover."""
 
     @cached_property
     def by_number(self) -> dict[int, AnyHandler]:

@@ -17,11 +17,13 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
 
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.runtime.core.periodic_thread import PeriodicThread
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.core.signing import NOTABLY_AHEAD, TICKS_PER_SECOND, Signer, SigningClock, Verifier, ticks
 from roverlink.runtime.keys.key_file import BRIDGE, FileKey, read_keys
 from roverlink.runtime.keys.stored_timestamps import read_timestamps, write_timestamps
@@ -41,14 +43,15 @@ class SignedLinks:
         own: str = BRIDGE,
         wall: Callable[[], int] = time.time_ns,
         steady: Callable[[], int] = time.monotonic_ns,
+        bridge: str = BRIDGE,
     ) -> None:
         """Read the key files and the stored timestamps.
 
         ``number`` is the field number of the envelope's signature. ``own`` is the name of this program in the key
         files: that of a peer or board, or ``ros`` for the bridge. ``wall`` and ``steady`` are clocks in nanoseconds.
-        Raises `SetupError` if a file cannot be used.
+        ``bridge`` is what this program calls the bridge. Raises `SetupError` if a file cannot be used.
         """
-        self._logger, self._own = logger, own
+        self._logger, self._own, self._bridge = logger, own, bridge
         self._files = {path.with_name(f"{path.name}.{own}.timestamps"): read_keys(path) for path in files}
         self._keys = [key for keys in self._files.values() for key in keys]
         _check_ids(files, self._files.values())
@@ -66,14 +69,18 @@ class SignedLinks:
         self.verifier = Verifier(
             number,
             [
-                (file_key.key, self._starts[file_key.key.id], self.clocks[file_key.end])
+                (
+                    replace(file_key.key, sender=self._called(file_key.key.sender)),
+                    self._starts[file_key.key.id],
+                    self.clocks[file_key.end],
+                )
                 for file_key in self._keys
                 if file_key.receiver == own
             ],
         )
         self._sent = [file_key for file_key in self._keys if file_key.key.sender == own]
         self._signers = {
-            file_key.receiver: Signer(number, file_key.key, self.clocks[file_key.end])
+            self._called(file_key.receiver): Signer(number, file_key.key, self.clocks[file_key.end])
             for file_key in self._sent
             if file_key.send_with
         }
@@ -94,7 +101,8 @@ class SignedLinks:
 
     def hears(self, ends: Iterable[str]) -> bool:
         """Return true if one of the given peers and boards has a key to sign datagrams for this program."""
-        return not {file_key.key.sender for file_key in self._keys if file_key.receiver == self._own}.isdisjoint(ends)
+        senders = {self._called(file_key.key.sender) for file_key in self._keys if file_key.receiver == self._own}
+        return not senders.isdisjoint(ends)
 
     def check_ends(self, known: Iterable[str]) -> None:
         """Raise `SetupError` if a key is of a peer or board that is not among the known ones."""
@@ -111,6 +119,10 @@ class SignedLinks:
     def __exit__(self, *_: object) -> None:
         self._thread.__exit__()
         self._keep()  # the last timestamps
+
+    def _called(self, name: str) -> str:
+        """Return what this program calls a sender or receiver in the key files."""
+        return self._bridge if name == BRIDGE else name
 
     def _keep(self) -> None:
         self._store_all()
@@ -177,6 +189,15 @@ class SignedLinks:
     def _start(file_key: FileKey, stored: int | None, now: int) -> int:
         """Return the timestamp after which a key begins."""
         return max(file_key.made, now - _OLDEST_UNKNOWN) if stored is None else stored + TICKS_PER_SECOND
+
+
+def owner_of(end: EndName, files: Sequence[Path]) -> str:
+    """Return whose keys a program of the peer or board ``end`` uses: a board without own keys uses those of its peer.
+
+    Raises `SetupError` if a file cannot be used.
+    """
+    owners = {file_key.end for path in files for file_key in read_keys(path)}
+    return end.board if end.board in owners else end.peer
 
 
 def _check_ids(files: Sequence[Path], keys: Iterable[Sequence[FileKey]]) -> None:

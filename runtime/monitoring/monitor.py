@@ -150,7 +150,7 @@ class Monitor:
         socket = self._bridge.socket_state()
         recording = self._recording()
         level, message = self._overall(recording)
-        rows = tuple(self._row(handler.route) for handler in self._registry.handlers)
+        rows = tuple(self._row(one.route) for _, one in sorted(self._registry.by_number.items()))
         return State(
             node=self._node,
             fingerprint=self._registry.fingerprint,

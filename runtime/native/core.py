@@ -150,6 +150,8 @@ class NativeCore:
                 made.from_cdr, made.from_cdr_size, made.cdr_slots = len(ops), len(reading), frame.size
                 made.to_proto, made.to_proto_size = len(ops) + len(reading), len(back)
                 ops += reading + back
+            else:
+                reasons[False] = "the message does not determine the payload"
         except UnsupportedError as error:
             reasons[False] = str(error)
         if reason := reasons[handler.route.inbound]:

@@ -60,10 +60,17 @@ class Destination:
     Safe to use from several threads.
     """
 
-    def __init__(self, end: EndName, *targets: Target, report: Report = lambda *_: None) -> None:
+    def __init__(
+        self,
+        end: EndName,
+        *targets: Target,
+        report: Report = lambda *_: None,
+        shared: socket.socket | None = None,
+    ) -> None:
         """Send to ``targets``, the addresses of a peer or of its board.
 
-        ``report`` is called when an address becomes unreachable, and when it is reachable again.
+        ``report`` is called when an address becomes unreachable, and when it is reachable again. ``shared`` is the
+        socket to send from, if it cannot be any.
         """
         self.end = end
         self.connected_socket = ctypes.c_int32(_NONE)
@@ -71,7 +78,7 @@ class Destination:
 
         The native core reads it before each datagram.
         """
-        self._report = report
+        self._report, self._shared = report, shared
         self._lock = threading.Lock()
         self._ways: list[_Way] = []
         self._used: tuple[_Way, ...] = ()
@@ -80,7 +87,9 @@ class Destination:
     def direct_to(self, *targets: Target) -> None:
         """Send all further datagrams to ``targets``: each datagram to all of them. Without targets, send nothing."""
         with self._lock:
-            self._ways += [_Way(self._report, self._note_route) for _ in range(len(targets) - len(self._ways))]
+            self._ways += [
+                _Way(self._report, self._note_route, self._shared) for _ in range(len(targets) - len(self._ways))
+            ]
             for way, target in zip(self._ways, targets):
                 way.direct_to(target)
             # One assignment, which is safe while other threads send. Ways that are not used any more stay open: another
@@ -124,12 +133,13 @@ class Destination:
 class _Way:
     """Sockets that send datagrams to one address."""
 
-    def __init__(self, report: Report, note_route: Callable[[], None]) -> None:
-        """``note_route`` is called when `connected_socket` has changed."""
-        self._report, self._note_route = report, note_route
+    def __init__(self, report: Report, note_route: Callable[[], None], shared: socket.socket | None) -> None:
+        """``note_route`` is called when `connected_socket` has changed. ``shared`` is the only socket to send from."""
+        self._report, self._note_route, self._shared = report, note_route, shared
         self._pairs: dict[int, tuple[socket.socket, socket.socket]] = {}
         self._lock = threading.Lock()
         self.target: Target = Target(("", 0))
+        self._route: tuple[socket.socket, SocketAddress | None]
         self.is_lost = False
 
     @property
@@ -141,6 +151,11 @@ class _Way:
     def direct_to(self, target: Target) -> None:
         """Send all further datagrams to ``target``."""
         if target == self.target:
+            return
+        if self._shared is not None:
+            self.target, self.is_lost = target, False
+            mark(self._shared, TrafficClass.COMMANDS)
+            self._route = self._shared, _for_family(target.address, self._shared.family)
             return
         address, family = target.address, family_of(target.address)
         if family not in self._pairs:
@@ -156,7 +171,7 @@ class _Way:
         self.target, self.is_lost = target, False
         try:
             connected.connect(address)  # the kernel then looks up the route once instead of for each datagram
-            self._route: tuple[socket.socket, SocketAddress | None] = connected, None
+            self._route = connected, None
         except OSError:
             self._route = unconnected, address
 
@@ -203,7 +218,7 @@ class _Way:
                 # An ICMP error of an earlier datagram: nobody listened. This datagram has not been sent yet.
                 self._send(datagram)
         except OSError as error:
-            if error.errno in _ROUTE_LOST:
+            if error.errno in _ROUTE_LOST and self._shared is None:
                 # For the unconnected socket, the kernel looks up the route again for each datagram. So sending also
                 # works after the network has changed, or if the network comes up late.
                 self._route = self._pairs[family_of(self.target.address)][1], self.target.address
@@ -232,6 +247,11 @@ class _Way:
             sock.send(datagram)
         else:
             sock.sendto(datagram, address)
+
+
+def _for_family(address: SocketAddress, family: int) -> SocketAddress:
+    """Return an address as a socket of a family takes it: one of IPv6 needs an IPv4 address as ::ffff:10.0.0.7."""
+    return (f"::ffff:{address[0]}", address[1], 0, 0) if (family, len(address)) == (socket.AF_INET6, 2) else address
 
 
 def _set_up_multicast(sock: socket.socket, target: Target) -> None:

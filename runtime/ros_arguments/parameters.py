@@ -35,6 +35,8 @@ class Declaration:
     """True if the text is a host, several hosts with commas between them, or ``learn``."""
     of_link: bool = False
     """True if only the nodes of tables with a link message have the parameter."""
+    of_rover: bool = False
+    """True if a bridge that is another end of the table (``roverlink run --as``) does not have the parameter."""
 
     def check(self, name: str, value: int | str | bool) -> None:
         """Raise `SetupError` if a value is not allowed for the parameter; ``name`` is the parameter's name."""
@@ -101,8 +103,12 @@ def declarations(registry: Registry) -> dict[str, Declaration]:
     port of each end of the link, which the table names.
     """
     declared = _OF_EVERY_NODE | {
-        name: parameter for name, parameter in DECLARED.items() if registry.link is not None or not parameter.of_link
+        name: parameter
+        for name, parameter in DECLARED.items()
+        if (registry.link is not None or not parameter.of_link) and (registry.own is None or not parameter.of_rover)
     }
+    if registry.own is not None:
+        declared["listen_port"] = replace(declared["listen_port"], default=registry.own.port)
     if registry.link is not None:
         declared["link_policy"] = replace(declared["link_policy"], default=registry.link.on_mismatch)
     for name, end in registry.ends.items():

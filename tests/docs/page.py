@@ -52,12 +52,13 @@ _HEADING = re.compile(r"^#+ .*$", re.MULTILINE)
 _ROVERLINK = """\
 #!/bin/sh
 command=$1; shift
-case $command in
-run) set -- --middleware dds "$@" --ros-args -p listen_port:={listen} -p dst_a_port:={basestation} \\
+case $command:$* in
+run:*--as*) set -- --middleware dds "$@" --ros-args -p listen_port:={basestation} -p rover_port:={listen} ;;
+run:*) set -- --middleware dds "$@" --ros-args -p listen_port:={listen} -p dst_a_port:={basestation} \\
     -p dst_b_port:={hardware} ;;
-echo | pub | drive) set -- --middleware dds "$@" ;;
-send) set -- --to 127.0.0.1:{listen} "$@" ;;
-listen)
+echo:* | pub:* | drive:*) set -- --middleware dds "$@" ;;
+send:*) set -- --to 127.0.0.1:{listen} "$@" ;;
+listen:*)
     case "$*" in
     *6000*) set -- "$@" --port {basestation} ;;
     *) set -- "$@" --port {hardware} ;;

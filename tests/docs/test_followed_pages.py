@@ -13,6 +13,7 @@ _NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
 _SECTIONS = [
     pytest.param("docs/adding-a-message.md", "", marks=[needs_dds, needs_native]),
     pytest.param("README.md", "Add a message", marks=[needs_dds, needs_native]),
+    pytest.param("docs/basestation.md", "ROS 2 at both ends", marks=[needs_dds, needs_native]),
     pytest.param("rover/README.md", "Example", marks=_NEEDS_OPENCV),
     pytest.param("rover/docs/driving.md", "Try it", marks=[needs_dds, needs_native]),
     ("rover/docs/driving.md", "Add a speed and a turn to the commands"),

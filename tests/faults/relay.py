@@ -40,7 +40,11 @@ class Relay:
 
     def wait_for(self, taken: int) -> None:
         """Wait until this many datagrams have come, and all of them that are not lost have been handed on."""
-        wait_until(lambda: self.taken == taken and not self._late, f"{taken} datagrams at the relay")
+        wait_until(lambda: self.has_taken(taken), f"{taken} datagrams at the relay")
+
+    def has_taken(self, taken: int) -> bool:
+        """Return true if this many datagrams have come, and all of them that are not lost have been handed on."""
+        return self.taken == taken and not self._late
 
     def _run(self) -> None:
         poll = select.poll()

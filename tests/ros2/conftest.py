@@ -1,5 +1,5 @@
 """The fixtures of the tests with a real ROS 2."""
 
-from ros2_fixtures import bridge, environment, join, judge, middleware
+from ros2_fixtures import bridge, environment, installed, join, judge, middleware
 
-__all__ = ["bridge", "environment", "join", "judge", "middleware"]
+__all__ = ["bridge", "environment", "installed", "join", "judge", "middleware"]

@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import pytest
+from needs import NO_DDS, NO_RCLPY
 from programs import Start
 
 if TYPE_CHECKING:
@@ -49,6 +51,15 @@ def judge(join: Callable[..., Judge]) -> Judge:
 def middleware(request: pytest.FixtureRequest) -> str:
     """Each middleware of the bridge that speaks with ROS 2."""
     return str(request.param)
+
+
+@pytest.fixture
+def installed(middleware: str, environment: dict[str, str]) -> str:
+    """Each middleware that is installed, in the domain of the test."""
+    package, reason = {"dds": ("cyclonedds", NO_DDS), "rclpy": ("rclpy", NO_RCLPY)}[middleware]
+    if not find_spec(package):
+        pytest.skip(reason)
+    return middleware
 
 
 @pytest.fixture

@@ -16,13 +16,12 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import datetime, timezone
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
 from google.protobuf.message import DecodeError
-from needs import NO_DDS, NO_RCLPY, needs_native
+from needs import needs_native
 from polling import wait_until
 
 from generated.interfaces.geometry_msgs import Point, Pose, PoseWithCovariance
@@ -45,7 +44,7 @@ from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.middleware.tapping import TappedMiddleware
 from roverlink.runtime.ros_arguments import parameters
 
-pytestmark = needs_native
+pytestmark = [needs_native, pytest.mark.usefixtures("installed")]
 
 _INBOUND = [handler for handler in REGISTRY.handlers if handler.route.inbound]
 _OUTBOUND = [handler for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics) if not handler.route.inbound]
@@ -71,14 +70,6 @@ _DATAGRAMS = [
     b"\xda\x07\x00",  # payload 123 of no row
     _PRESSURES[0] + bytes(3000),
 ]
-
-
-@pytest.fixture(autouse=True)
-def _installed(middleware: str, environment: dict[str, str]) -> None:
-    """Skip the middlewares that are not installed."""
-    package, reason = {"dds": ("cyclonedds", NO_DDS), "rclpy": ("rclpy", NO_RCLPY)}[middleware]
-    if not find_spec(package):
-        pytest.skip(reason)
 
 
 class _Case(NamedTuple):
