@@ -9,6 +9,7 @@ from roverlink.runtime.client.blocking_peer import BlockingPeer
 from roverlink.runtime.client.link_end import LinkEnd
 from roverlink.runtime.client.reassembly import Frame, Reassembler
 from roverlink.runtime.client.repeating import Repetition
+from roverlink.runtime.client.requests import UnansweredError
 from roverlink.runtime.client.session import ClosedError, Hook, Received, Traffic
 
 __all__ = [
@@ -22,4 +23,5 @@ __all__ = [
     "Received",
     "Repetition",
     "Traffic",
+    "UnansweredError",
 ]
