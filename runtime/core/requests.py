@@ -2,9 +2,9 @@
 
 Nothing here uses a thread or a clock: the time is an argument, in seconds of any clock that only goes forward.
 
-- A request with a correlation field has a number, which the response repeats. Without the field, one request is under
-  way at a time, and the next one waits. If the last request was sent more than once, it may also be answered more than
-  once, so the next one waits for one more timeout.
+- A request with a correlation field has a number, which the response repeats; 64 requests may be under way at a time.
+  Without the field, it is one, and the next one waits. If the last request was sent more than once, it may also be
+  answered more than once, so the next one waits for one more timeout.
 - The waits between two sendings of a request are one, two, four and again four timeouts. If 30 %
   of all datagrams are lost each way, four sendings answer 93 % of the requests, five 97 % and ten 99.9 %. The caller of
   a request without a response hears so.
@@ -19,6 +19,7 @@ import random
 from collections import OrderedDict, deque
 from dataclasses import dataclass
 from enum import Enum, auto
+from hashlib import blake2b
 from typing import Generic, TypeVar
 
 from roverlink.runtime.core.handler import RowRequest
@@ -28,8 +29,9 @@ C = TypeVar("C")
 LARGEST_NUMBER = 2**31 - 1
 """Largest number of a request: every integer type of protobuf holds it."""
 _LONGEST_WAIT = 4  # timeouts
+_MOST_UNDER_WAY = 64  # a burst of requests must not fill the link
 _MOST_WAITING = 1000
-_MOST_REMEMBERED = 256
+_MOST_REMEMBERED = 4096  # with the default settings, 546 requests a second
 
 
 def lifetime(request: RowRequest) -> float:
@@ -67,6 +69,7 @@ class Repeater(Generic[C]):
     def __init__(self, request: RowRequest, first: int | None = None) -> None:
         """Create a repeater without requests; ``first`` is the number of its first request, else a random one."""
         self._request, self._one_at_a_time = request, not request.field
+        self._most_under_way = _MOST_UNDER_WAY if request.field else 1
         # Random, so that a program that starts again does not use the numbers of before.
         self._number = (random.randrange(LARGEST_NUMBER) if first is None else first - 1) % LARGEST_NUMBER  # noqa: S311
         self._under_way: dict[int, _Waiting[C]] = {}
@@ -94,7 +97,7 @@ class Repeater(Generic[C]):
     def next_due(self) -> float:
         """Time at which `take_due` has something to do; infinity if nothing waits."""
         due = min((one.due for one in self._under_way.values()), default=math.inf)
-        if self._queue and not (self._one_at_a_time and self._under_way):
+        if self._queue and len(self._under_way) < self._most_under_way:
             due = min(due, self._quiet_until)
         return due
 
@@ -105,7 +108,7 @@ class Repeater(Generic[C]):
             if one.attempts == self._request.attempts:
                 self._end(one, now)
                 unanswered.append(one.caller)
-        while self._queue and (not self._one_at_a_time or (not self._under_way and self._quiet_until <= now)):
+        while self._queue and len(self._under_way) < self._most_under_way and self._quiet_until <= now:
             one = self._queue.popleft()
             self._under_way[one.number] = one
         due = [one for one in self._under_way.values() if one.due <= now]
@@ -144,7 +147,7 @@ class Repeater(Generic[C]):
 
     def _end(self, one: _Waiting[C], now: float) -> None:
         del self._under_way[one.number]
-        if one.attempts > 1:
+        if self._one_at_a_time and one.attempts > 1:
             self._quiet_until = now + self._request.timeout_ms / 1000
         self._ended[one.number] = now + lifetime(self._request)
         while self._ended and (len(self._ended) > _MOST_WAITING or next(iter(self._ended.values())) <= now):
@@ -165,7 +168,7 @@ class Responses:
 
     def __init__(self, request: RowRequest) -> None:
         self._request = request
-        self._known: OrderedDict[bytes, _Known] = OrderedDict()
+        self._known: OrderedDict[bytes, _Known] = OrderedDict()  # by the hash of the request
 
     def take(self, request: bytes, number: int, now: float) -> bytes | Fate:
         """Return the stored response to a request; otherwise its fate.
@@ -177,9 +180,10 @@ class Responses:
             return Fate.UNKNOWN
         while self._known and next(iter(self._known.values())).until <= now:
             self._known.popitem(last=False)
-        if (known := self._known.get(request)) is not None:
+        key = _hash(request)
+        if (known := self._known.get(key)) is not None:
             return Fate.REPEATED if known.response is None else known.response
-        self._known[request] = _Known(number, now + lifetime(self._request))
+        self._known[key] = _Known(number, now + lifetime(self._request))
         if len(self._known) > _MOST_REMEMBERED:
             self._known.popitem(last=False)
         return Fate.UNKNOWN
@@ -196,4 +200,8 @@ class Responses:
 
     def forget(self, request: bytes) -> None:
         """Forget a request that could not be passed on, so that it is passed on when it comes again."""
-        self._known.pop(request, None)
+        self._known.pop(_hash(request), None)
+
+
+def _hash(request: bytes) -> bytes:
+    return blake2b(request, digest_size=16).digest()
