@@ -309,7 +309,7 @@ class Service:
     type: str
     """Name of the type, such as ``MeasureRock``."""
     request: RosMessage
-    """Fields of the row's ROS message without the correlation field. It is named as by rosidl: ``MeasureRock_Request``."""
+    """Fields of the row's ROS message without the correlation field; rosidl names it ``MeasureRock_Request``."""
     response: RosMessage
     """Text of the error, then the fields of the response's ROS message without the correlation field."""
 

@@ -10,11 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 
 from roverlink.runtime.core.handler import RowService
 from roverlink.runtime.middleware.interface_packages import installed_class, installed_service
 from roverlink.runtime.middleware.protocol import Respond
+
+
+_QOS = QoSProfile(depth=1000)  # as for the services of parameters; the default loses requests of a burst of 11
 
 
 class _Pending:
@@ -52,7 +56,7 @@ def offer(node: Any, executor: Any, name: str, service: RowService, answer: Call
         answer(bytes(serialize_message(request)), respond)
         return pending
 
-    made = node.create_service(installed_service(service.request), name, take)
+    made = node.create_service(installed_service(service.request), name, take, qos_profile=_QOS)
     send = made.send_response
     made.send_response = lambda pending, header: pending.send_with(lambda response: send(response, header))
 

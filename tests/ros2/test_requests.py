@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from asking import write_asking_project
-from judge import Judge, interface
+from judge import Judge, interface, repeat
 from polling import wait_until
 from programs import Program, Start
 
@@ -33,13 +32,13 @@ def registry(project: Path) -> Registry:
 
 
 @pytest.fixture
-def peers(registry: Registry) -> Iterator[dict[str, int]]:
+def peers(registry: Registry) -> dict[str, int]:
     """Free ports of the peers, by the parameters of the bridge."""
     ports = {}
     for peer in registry.peers:
         with BlockingPeer.open(peer.name, registry=registry, local_port=0) as free:
             ports[peer.port_parameter] = free.port
-    yield ports
+    return ports
 
 
 class _Deaf:
@@ -64,7 +63,6 @@ def _run(start: Start, middleware: str, project: Path, ports: dict[str, int]) ->
     return program, json.loads(program.wait_for('"port"', program.output))["port"]
 
 
-@pytest.mark.parametrize("middleware", ["rclpy"], indirect=True)
 def test_services_and_peers_answer_each_other(
     judge: Judge, start: Start, project: Path, registry: Registry, peers: dict[str, int]
 ) -> None:
@@ -88,15 +86,20 @@ def test_services_and_peers_answer_each_other(
     board.start()
     try:
         grip = interface("asking_msgs/srv/Grip")
-        response = judge.call("/grip", "asking_msgs/srv/Grip", grip.Request(force=3.0))
-        assert (response.error, response.force) == ("", 1.5)
         client = judge.node.create_client(grip, "/grip")
         judge.executor.wake()
-        wait_until(client.service_is_ready, "the service")
-        calls = [client.call_async(grip.Request(force=float(force))) for force in range(10, 30)]
+        first: list[Any] = []  # as with any service: the first ones are lost until both ends know each other
+        repeat(
+            lambda: first.append(client.call_async(grip.Request(force=3.0))),
+            lambda: client.service_is_ready() and any(call.done() for call in first),
+            "a response",
+            1.0,
+        )
+        assert {(call.result().error, call.result().force) for call in first if call.done()} == {("", 1.5)}
+        calls = [client.call_async(grip.Request(force=float(force))) for force in range(10, 18)]  # fewer than its queue
         wait_until(lambda: all(call.done() for call in calls), "the end of all calls")
-        assert [call.result().force for call in calls] == [force / 2 for force in range(10, 30)]
-        assert sorted(carried_out)[-20:] == list(range(10, 30))
+        assert [call.result().force for call in calls] == [force / 2 for force in range(10, 18)]
+        assert sorted(carried_out)[-8:] == list(range(10, 18))
         switch = interface("asking_msgs/srv/SwitchLight")
         response = judge.call("/switch_light", "asking_msgs/srv/SwitchLight", switch.Request(on=True))
         assert response.error == "board has not answered light, which was sent 2 times"

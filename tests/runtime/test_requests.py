@@ -39,7 +39,7 @@ _losses = st.lists(st.sampled_from(["lost", 0.01, 0.3, 0.45]), max_size=60)
 def test_each_caller_gets_one_end_and_the_right_response(
     fates: list[Any], has_field: bool, attempts: int, starts: list[float]
 ) -> None:
-    """Whatever the link loses, repeats, and delays by less than the timeout: a response never reaches another caller."""
+    """Whatever the link loses, repeats, and delays by less than the timeout, no response reaches another caller."""
     settings = RowRequest("", timeout_ms=1000, attempts=attempts, field="id" if has_field else "")
     repeater, memory, fates = Repeater[int](settings), Responses(settings), [*fates]
     ends: Counter[int] = Counter()

@@ -24,9 +24,19 @@ class RockRows:
         x1, y1, x2, y2 = (float(getattr(message, name)) for name in REQUEST.fields)
         return x1, y1, x2, y2
 
-    def answer(self, size: Sequence[float] | None) -> bytes:
-        """Return the serialized result with a length and a width in metres; without a size, both fields are NaN."""
+    def answer(self, size: Sequence[float] | None, request: bytes) -> bytes:
+        """Return the serialized result with a length and a width in metres; without a size, both fields are NaN.
+
+        If the table says by which field a result belongs to its request, it gets the value of the serialized
+        ``request``.
+        """
         # The message has no field for a failure. 0 is a number, which a page shows as a size and a mean contains. And
         # without an answer, the operator takes the last one for it.
         values = (math.nan, math.nan) if size is None else [100 * metres for metres in size]
-        return cdr.encode(self.result.message_type(**dict(zip(RESULT.fields, values))))
+        result = self.result.message_type(**dict(zip(RESULT.fields, values)))
+        settings = self.request.route.request
+        if settings is None or not settings.field:
+            return cdr.encode(result)
+        payload = self.result.from_ros(result)
+        setattr(payload, settings.field, getattr(self.request.from_cdr(request), settings.field))
+        return self.result.to_cdr(payload)
