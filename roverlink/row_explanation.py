@@ -21,7 +21,7 @@ from roverlink.generator.nanopb import Unbounded, envelope_size, largest_size
 from roverlink.generator.pipeline import Compiled, compile_table
 from roverlink.generator.protos.schema import ProtoField
 from roverlink.generator.table import Row
-from roverlink.runtime.bridge.requests import exchanges, in_python
+from roverlink.runtime.bridge.request_rows import exchanges, in_python
 from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.native.core import open_core
 from roverlink.wire_dump import wire_lines

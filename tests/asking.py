@@ -13,44 +13,44 @@ from roverlink.runtime import Registry, load_registry
 TABLE = """\
 version: 1
 proto: {root: proto}
-envelope: {file: linked/envelope.proto, message: linked.Envelope, oneof: payload}
+envelope: {file: asking/envelope.proto, message: asking.Envelope, oneof: payload}
 ros: {package: asking_msgs}
 python: {package: asking_rover}
 peers: {board: {port: 6001}, base: {port: 6000}}
 messages:
   - number: 1
     name: find
-    proto: linked.Find
+    proto: asking.Find
     topic: find
     direction: base_to_ros
-    request: {response: found, field: id, timeout: 40ms, attempts: 12}
-  - {number: 2, name: found, proto: linked.Found, topic: found, direction: ros_to_base}
+    request: {response: found, field: id, timeout: 40ms, attempts: 40}
+  - {number: 2, name: found, proto: asking.Found, topic: found, direction: ros_to_base}
   - number: 3
     name: measure
-    proto: linked.Measure
+    proto: asking.Measure
     topic: measure
     direction: base_to_ros
     request: {response: measured, field: id, timeout: 40ms, attempts: 12, service: measure_rock, srv: MeasureRock}
-  - {number: 4, name: measured, proto: linked.Measured, topic: measured, direction: ros_to_base}
+  - {number: 4, name: measured, proto: asking.Measured, topic: measured, direction: ros_to_base}
   - number: 5
     name: grip
-    proto: linked.Grip
+    proto: asking.Grip
     topic: grip
     direction: ros_to_board
-    request: {response: gripped, field: id, timeout: 40ms, attempts: 12, service: grip}
-  - {number: 6, name: gripped, proto: linked.Gripped, topic: gripped, direction: board_to_ros}
+    request: {response: gripped, field: id, timeout: 40ms, attempts: 40, service: grip}
+  - {number: 6, name: gripped, proto: asking.Gripped, topic: gripped, direction: board_to_ros}
   - number: 7
     name: light
-    proto: linked.Light
+    proto: asking.Light
     topic: light
     direction: ros_to_board
     request: {response: lit, timeout: 40ms, attempts: 2, service: switch_light, srv: SwitchLight}
-  - {number: 8, name: lit, proto: linked.Lit, topic: lit, direction: board_to_ros}
+  - {number: 8, name: lit, proto: asking.Lit, topic: lit, direction: board_to_ros}
 """
 _PROTO = """\
 syntax = "proto3";
 
-package linked;
+package asking;
 
 message Find { uint32 id = 1; uint32 what = 2; }
 message Found { uint32 id = 1; float x = 2; }
@@ -65,7 +65,7 @@ message Lit { bool on = 1; }
 
 def write_asking_project(folder: Path) -> Path:
     """Write the project with its generated files into a folder, and return the folder."""
-    return write_project(folder, TABLE, _PROTO)
+    return write_project(folder, TABLE, _PROTO, "asking")
 
 
 @cache

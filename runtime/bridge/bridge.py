@@ -23,7 +23,7 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any, Protocol
 
-from roverlink.runtime.bridge import requests
+from roverlink.runtime.bridge import request_rows
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
@@ -139,7 +139,7 @@ class Bridge:
             self._sending,
             self._counters,
         )
-        self._exchanges = requests.exchanges(registry)
+        self._exchanges = request_rows.exchanges(registry)
         self._failure: FailedThreadError | None = None
         self._link = self._exchange(parameters.link_policy)
 
@@ -199,9 +199,9 @@ class Bridge:
         self._watch = Timekeeper("graph-watch", [*filter(None, watches), qos_watch, network_watch], self._fail)
         self._warn_of_small_buffer()
         for row in (*self._inbound_rows.values(), *self._outbound_rows):
-            if isinstance(row, requests.RequestFromPeer):
+            if isinstance(row, request_rows.RequestFromPeer):
                 row.open_client(self._middleware, self._topic)
-            elif isinstance(row, requests.RequestToPeer):
+            elif isinstance(row, request_rows.RequestToPeer):
                 row.offer(self._middleware, self._topic)
         self._native = self._native_way([*zip(outbound, self._outbound_rows, subscriptions)])
         self._ends.start()
@@ -231,7 +231,7 @@ class Bridge:
             for paced in reversed(self._paced):
                 steps.callback(paced.end)
             for row in self._outbound_rows:
-                if isinstance(row, requests.RequestToPeer):
+                if isinstance(row, request_rows.RequestToPeer):
                     steps.callback(row.end_calls)
             steps.callback(self._timekeeper.__exit__)
             steps.callback(self._watch.__exit__)
@@ -317,7 +317,7 @@ class Bridge:
                 self._ends.destinations,
                 self._signed_peers,
                 [one for one in self._observers if isinstance(one, DatagramObserver)],
-                requests.in_python(self._exchanges),
+                request_rows.in_python(self._exchanges),
             )
         except (NoCoreError, AttributeError, OSError) as error:  # the middleware's library may be another version
             self.way = f"Python handles all messages ({error})"
@@ -463,7 +463,7 @@ class Bridge:
         route = handler.route
         publisher = self._publisher(handler)
         if (exchange := self._exchanges.get(route.name)) is not None:
-            return requests.inbound_row(exchange, handler, publisher, self._account, self._counters.count_dropped)
+            return request_rows.inbound_row(exchange, handler, publisher, self._account, self._counters.count_dropped)
         if route.max_rate is None:
             return InboundRow(route, publisher, self._account, self._counters.count_dropped)
         row = PacedInboundRow(route, publisher, self._account, self._counters.count_dropped, route.max_rate)
@@ -494,7 +494,7 @@ class Bridge:
             send = observer.sending(route.peer, send)
         given = (handler, self._translator, send, self._account, self._counters.warnings)
         exchange = self._exchanges.get(route.name)
-        return OutboundRow(*given) if exchange is None else requests.outbound_row(exchange, *given)
+        return OutboundRow(*given) if exchange is None else request_rows.outbound_row(exchange, *given)
 
     def _subscribe(self, handler: AnyHandler, row: OutboundRow) -> Subscription:
         route = handler.route

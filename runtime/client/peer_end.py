@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from roverlink.runtime.client.link_end import PERIOD_S, LinkEnd
+from roverlink.runtime.client.pending_requests import Done
 from roverlink.runtime.client.repeating import Repetition, Schedule
-from roverlink.runtime.client.requests import Done
 from roverlink.runtime.client.session import ClosedError, Hook, Session, Traffic
 from roverlink.runtime.client.signatures import Signatures
 from roverlink.runtime.core.errors import SetupError

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from roverlink.runtime.client.link_end import LinkEnd
-from roverlink.runtime.client.requests import Requests
+from roverlink.runtime.client.pending_requests import Requests
 from roverlink.runtime.core.errors import DatagramError, Reason, RoverlinkError, SetupError, nearest
 from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
-from roverlink.runtime.core.requests import Fate
+from roverlink.runtime.core.repeater import Fate
 from roverlink.runtime.core.translator import Translator
 
 if TYPE_CHECKING:

@@ -17,7 +17,6 @@ from roverlink.runtime.core.handler import RowService
 from roverlink.runtime.middleware.interface_packages import installed_class, installed_service
 from roverlink.runtime.middleware.protocol import Respond
 
-
 _QOS = QoSProfile(depth=1000)  # as for the services of parameters; the default loses requests of a burst of 11
 
 

@@ -116,7 +116,9 @@ def test_the_files_of_the_page_about_cameras_are_read(tmp_path: Path) -> None:
 def test_the_request_of_the_page_is_answered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The table and the protos of the page make the service type beside them, and the client prints the response."""
     shown = {block.language: block.text for block in blocks(_DOCS / "operations.md", "Requests that are answered")}
-    table = usual_table("python: {package: requests_of_the_page}\n" + shown["yaml"])
+    # A process can load two projects only if no .proto file has the same name.
+    envelope = "envelope: {file: on_the_page/envelope.proto, message: on_the_page.Envelope, oneof: payload}\n"
+    table = usual_table(f"{envelope}python: {{package: requests_of_the_page}}\n{shown['yaml']}")
     for path, text in (("mapping.yaml", table), ("proto/rocks.proto", shown["proto"])):
         (tmp_path / path).parent.mkdir(exist_ok=True)
         (tmp_path / path).write_text(text, encoding="utf-8")

@@ -10,7 +10,7 @@ from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.lock import REQUESTS
 from roverlink.generator.protos.schema import ProtoField
 from roverlink.generator.resolve.numeric_ranges import range_of
-from roverlink.generator.resolve.requests import ERROR
+from roverlink.generator.resolve.request_services import ERROR
 from roverlink.generator.resolve.well_known import SCALARS
 from roverlink.generator.table import RequestSettings, Row, Table
 from roverlink.suggestions import nearest

@@ -67,7 +67,7 @@ class Answering:
             self._answer(line, data)
 
     def _answer(self, line: Line, request: bytes) -> None:
-        """Measure the line of a request, and publish the result; a failure is published as NaN, and its reason is logged."""
+        """Measure a line, and publish the result; a failure is published as NaN, and its reason is logged."""
         try:
             image = self._camera.image()
             size = measure(image.depth, image.camera, line)

@@ -17,6 +17,7 @@ class RockRows:
     def __init__(self, registry: Registry) -> None:
         """Find the rows. Raises `SetupError` if one is missing, or lacks a field."""
         self.request, self.result = REQUEST.of(registry), RESULT.of(registry)
+        self._asked, self._told = registry.by_name[REQUEST.row], registry.by_name[RESULT.row]
 
     def line(self, data: bytes) -> Line:
         """Return the line of a serialized request. Raises `ConversionError` if it is damaged."""
@@ -34,9 +35,9 @@ class RockRows:
         # without an answer, the operator takes the last one for it.
         values = (math.nan, math.nan) if size is None else [100 * metres for metres in size]
         result = self.result.message_type(**dict(zip(RESULT.fields, values)))
-        settings = self.request.route.request
+        settings = self._asked.route.request
         if settings is None or not settings.field:
             return cdr.encode(result)
-        payload = self.result.from_ros(result)
-        setattr(payload, settings.field, getattr(self.request.from_cdr(request), settings.field))
-        return self.result.to_cdr(payload)
+        payload = self._told.from_ros(result)
+        setattr(payload, settings.field, getattr(self._asked.from_cdr(request), settings.field))
+        return self._told.to_cdr(payload)

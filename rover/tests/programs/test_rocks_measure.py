@@ -141,16 +141,17 @@ def test_a_damaged_request_is_told() -> None:
 def test_an_answer_repeats_the_number_of_its_request(tmp_path: Path) -> None:
     """If the table makes the row a request with a correlation field, the result has the request's number."""
     rows = """
-      - {number: 1, name: rock_measure_request, proto: linked.Ask, topic: a, direction: base_to_ros,
+      - {number: 1, name: rock_measure_request, proto: rocky.Ask, topic: a, direction: base_to_ros,
          request: {response: rock_measure_result, field: id}}
-      - {number: 2, name: rock_measure_result, proto: linked.Told, topic: b, direction: ros_to_base}
+      - {number: 2, name: rock_measure_result, proto: rocky.Told, topic: b, direction: ros_to_base}
     """
-    table = TABLE[: TABLE.index("link: ")].replace("linked_rover", "numbered_rocks") + f"messages:{rows}"
-    proto = """syntax = "proto3"; package linked;
+    table = TABLE[: TABLE.index("link: ")].replace("linked", "rocky") + f"messages:{rows}"
+    proto = """syntax = "proto3"; package rocky;
     message Ask { uint32 x1 = 1; uint32 y1 = 2; uint32 x2 = 3; uint32 y2 = 4; uint32 id = 5; }
     message Told { float length_cm = 1; float width_cm = 2; uint32 id = 3; }"""
-    rocks = RockRows(load_registry(write_project(tmp_path / "project", table, proto), "numbered_rocks"))
-    request = rocks.request.to_cdr(rocks.request.payload_type(x2=9, id=7))
+    registry = load_registry(write_project(tmp_path / "project", table, proto, "rocky"), "rocky_rover")
+    rocks, asked, told = RockRows(registry), *registry.handlers
+    request = asked.to_cdr(asked.payload_type(x2=9, id=7))
     assert rocks.line(request) == (0, 0, 9, 0)
-    result = rocks.result.from_cdr(rocks.answer((0.5, 0.25), request))
+    result = told.from_cdr(rocks.answer((0.5, 0.25), request))
     assert (result.length_cm, result.width_cm, result.id) == (50, 25, 7)

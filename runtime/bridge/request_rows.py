@@ -26,7 +26,7 @@ from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
 from roverlink.runtime.core.handler import RowRequest, RowService
 from roverlink.runtime.core.messages import Message, fields_of
 from roverlink.runtime.core.registry import AnyHandler, Registry
-from roverlink.runtime.core.requests import Fate, Repeater, Responses
+from roverlink.runtime.core.repeater import Fate, Repeater, Responses
 from roverlink.runtime.core.translator import Translator
 from roverlink.runtime.middleware import Middleware, Publisher, Respond, ServiceClient, Subscription
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from roverlink.runtime.core.errors import RoverlinkError, SetupError
 from roverlink.runtime.core.handler import RowRequest
 from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
-from roverlink.runtime.core.requests import Fate, Repeater, Responses
+from roverlink.runtime.core.repeater import Fate, Repeater, Responses
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
