@@ -31,6 +31,7 @@ from roverlink.runtime.core.translator import Translator
 from roverlink.runtime.middleware import Middleware, Publisher, Respond, ServiceClient, Subscription
 
 _ERROR = "error"  # field of each service's response
+_STOPPING = "the bridge stops"
 _IN_PYTHON = "requests and responses are matched in Python"
 
 
@@ -153,10 +154,10 @@ class RequestToPeer(OutboundRow):
             self._account.taken[self.name] += 1
             if not self._is_open or calls.is_full:
                 self._account.superseded[self.name] += 1
-                return "too many calls wait" if self._is_open else "the bridge stops"
+                return "too many calls wait" if self._is_open else _STOPPING
             if self.refused:
                 self._account.refused[self.name] += 1
-                return f"{self._handler.route.peer} has another schema of {self.name}"
+                return self._of_another_schema()
             try:
                 number = calls.new_number()
                 message = _converted(data, exchange.service.request, self._handler.message_type, number)
@@ -172,22 +173,27 @@ class RequestToPeer(OutboundRow):
         if not self.lock.acquire(blocking=False):
             return
         try:
-            with self._exchange.lock:
-                datagrams, unanswered = self._exchange.calls.take_due(now)
-            for datagram, again in datagrams:
-                if again:
-                    self._account.repeated[self.name] += self._send([datagram])
-                else:
-                    self._send_and_count([datagram])
-            self._account.unanswered[self.name] += len(unanswered)
+            if self.refused:
+                ended, error = self._withdrawn(), self._of_another_schema()
+            else:
+                ended, error = self._send_due(now), self._unanswered()
         finally:
             self.lock.release()
-        if unanswered:
-            peer, attempts = self._handler.route.peer, self._exchange.settings.attempts
-            error = f"{peer} has not answered {self.name}, which was sent {attempts} times"
+        for respond in ended:
             self._warnings.warn(f"unanswered {self.name}", error)
-            for respond in unanswered:
-                respond(self._exchange.failure(error))
+            respond(self._exchange.failure(error))
+
+    def _send_due(self, now: float) -> list[Respond]:
+        """Send what is due, and return the calls that end without a response."""
+        with self._exchange.lock:
+            datagrams, unanswered = self._exchange.calls.take_due(now)
+        for datagram, again in datagrams:
+            if again:
+                self._account.repeated[self.name] += self._send([datagram])
+            else:
+                self._send_and_count([datagram])
+        self._account.unanswered[self.name] += len(unanswered)
+        return unanswered
 
     @property
     def next_due(self) -> float:
@@ -197,12 +203,25 @@ class RequestToPeer(OutboundRow):
 
     def end_calls(self) -> None:
         """Answer all calls that wait, and those to come, with an error. Call it when no timekeeper runs any more."""
-        with self.lock, self._exchange.lock:
+        with self.lock:
             self._is_open = False
+            ended = self._withdrawn()
+        for respond in ended:
+            respond(self._exchange.failure(_STOPPING))
+
+    def _withdrawn(self) -> list[Respond]:
+        """Forget all requests, and return their calls."""
+        with self._exchange.lock:
             withdrawn = self._exchange.calls.withdraw()
-            self._account.superseded[self.name] += sum(not was_sent for _, was_sent in withdrawn)
-        for respond, _ in withdrawn:
-            respond(self._exchange.failure("the bridge stops"))
+        self._account.superseded[self.name] += sum(not was_sent for _, was_sent in withdrawn)
+        return [respond for respond, _ in withdrawn]
+
+    def _unanswered(self) -> str:
+        peer, attempts = self._handler.route.peer, self._exchange.settings.attempts
+        return f"{peer} has not answered {self.name}, which was sent {attempts} times"
+
+    def _of_another_schema(self) -> str:
+        return f"{self._handler.route.peer} has another schema of {self.name}"
 
 
 class ResponseFromPeer(InboundRow):
@@ -298,6 +317,8 @@ class ResponseToPeer(OutboundRow):
     def repeat(self, datagram: bytes) -> None:
         """Send a stored response again."""
         with self.lock:
+            if self.refused:
+                return
             self._account.repeated[self.name] += self._send([datagram])
 
     def tell(self, error: str) -> None:

@@ -113,6 +113,7 @@ def test_the_files_of_the_page_about_cameras_are_read(tmp_path: Path) -> None:
     assert [camera.name for camera in read_cameras(tmp_path / "cameras.yaml")] == ["front", "left"]
 
 
+@pytest.mark.slow
 def test_the_request_of_the_page_is_answered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The table and the protos of the page make the service type beside them, and the client prints the response."""
     shown = {block.language: block.text for block in blocks(_DOCS / "operations.md", "Requests that are answered")}
