@@ -21,6 +21,7 @@ from roverlink.generator.nanopb import Unbounded, envelope_size, largest_size
 from roverlink.generator.pipeline import Compiled, compile_table
 from roverlink.generator.protos.schema import ProtoField
 from roverlink.generator.table import Row
+from roverlink.runtime.bridge.request_rows import exchanges, in_python
 from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.native.core import open_core
 from roverlink.wire_dump import wire_lines
@@ -74,6 +75,7 @@ class Project:
             "direction": row.direction,
             "peer": self._peer(row.peer),
             "forward": [self._peer(name) for name in row.forward],
+            "request": self._request(route),
             "qos": {
                 "reliability": route.qos.reliability,
                 "durability": route.qos.durability,
@@ -124,8 +126,10 @@ class Project:
         topics = dict.fromkeys((route.topic, *(standard.topic for standard in route.standard_topics)))
         try:
             registry = load_project(self.folder)
-            core = open_core(registry)
-            return [{"topic": one, "in_python": core.reason(registry.by_topic[one]) or None} for one in topics]
+            core, matched = open_core(registry), in_python(exchanges(registry)).get(route.name)
+            return [
+                {"topic": one, "in_python": core.reason(registry.by_topic[one]) or matched or None} for one in topics
+            ]
         except (RoverlinkError, KeyError) as error:
             return [{"topic": topic, "in_python": str(error)} for topic in topics]
 
@@ -135,6 +139,19 @@ class Project:
     def _peer(self, name: str) -> dict[str, Any]:
         peer = self.context.table.peers_by_name()[name]
         return {"name": name, "parameter": peer.parameter, "port": peer.port, "max_size": peer.max_size}
+
+    def _request(self, route: ir.Route) -> dict[str, Any] | None:
+        """Return how a request is answered; None for other rows."""
+        if (request := route.request) is None:
+            return None
+        service = request.service
+        return {
+            "response": request.response,
+            "field": request.field,
+            "timeout_ms": request.timeout_ms,
+            "attempts": request.attempts,
+            "service": service and {"name": service.name, "type": f"{self.compiled.bridge.package}/srv/{service.type}"},
+        }
 
     def _size(self, row: Row) -> dict[str, Any]:
         """Return the largest encoded sizes of the payload and of the envelope in bytes, as nanopb computes them.
@@ -202,6 +219,10 @@ class Project:
         if route.conversion:
             wanted.append(f"generated/messages/{spelling.message_module(route.conversion.ros)}.py")
             wanted.append(f"generated/ros/{bridge.package}/msg/{route.conversion.ros}.msg")
+        if route.request and (service := route.request.service):
+            parts = (service.request, service.response)
+            wanted += [f"generated/services/{spelling.service_module(part)}.py" for part in parts]
+            wanted.append(f"generated/ros/{bridge.package}/srv/{service.type}.srv")
         folder = spelling.proto_package(FOLDER, file).replace(".", "/")
         wanted.append(f"{folder}/{spelling.proto_module(file)}.py")
         return [path for path in (placed(path, bridge) for path in wanted) if path in self.compiled.files]

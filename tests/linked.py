@@ -39,11 +39,14 @@ message BaseMap { float x = 1; }
 """
 
 
-def write_project(folder: Path, table: str = TABLE, proto: str = PROTO) -> Path:
-    """Write the project with its generated files into a folder, and return the folder."""
-    (folder / "proto" / "linked").mkdir(parents=True)
+def write_project(folder: Path, table: str = TABLE, proto: str = PROTO, name: str = "linked") -> Path:
+    """Write the project with its generated files into a folder, and return the folder.
+
+    ``name`` is the folder of its protos: two projects in one process need two names.
+    """
+    (folder / "proto" / name).mkdir(parents=True)
     (folder / "mapping.yaml").write_text(table, encoding="utf-8")
-    (folder / "proto" / "linked" / "messages.proto").write_text(proto, encoding="utf-8")
+    (folder / "proto" / name / "messages.proto").write_text(proto, encoding="utf-8")
     for path, text in compile_table(folder / "mapping.yaml").files.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text, encoding="utf-8")

@@ -301,6 +301,33 @@ class Deadman:
 
 
 @dataclass(frozen=True, slots=True)
+class Service:
+    """ROS 2 service for the requests of a row, whose type is generated: the content of one .srv file."""
+
+    name: str
+    """Name of the service; relative to the node's namespace unless it starts with a slash."""
+    type: str
+    """Name of the type, such as ``MeasureRock``."""
+    request: RosMessage
+    """Fields of the row's ROS message without the correlation field; rosidl names it ``MeasureRock_Request``."""
+    response: RosMessage
+    """Text of the error, then the fields of the response's ROS message without the correlation field."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """Settings of a row that is a request, which another row answers."""
+
+    response: str
+    """Name of the row with the response."""
+    field: str
+    """Proto field of both payloads by which they belong together; empty if there is one request at a time."""
+    timeout_ms: int
+    attempts: int
+    service: Service | None
+
+
+@dataclass(frozen=True, slots=True)
 class StandardTopic:
     """Topic with a standard message of ROS 2, and the conversion between this message and the payload."""
 
@@ -384,6 +411,8 @@ class Route:
     """Board of the peer that sends or receives the payload: a prefix of a peer that has several; else empty."""
     schema_hash: int = 0
     """Hash of the payload's wire schema, 32 bits."""
+    request: Request | None = None
+    """Row that answers the payload, and how often it is repeated until then; None if it is no request."""
 
     @property
     def inbound(self) -> bool:
@@ -517,6 +546,12 @@ class Bridge:
     def folder(self) -> str:
         """Folder of all generated files, relative to the table's folder: ``a/b`` for the Python package ``a.b``."""
         return self.python_package.replace(".", "/")
+
+    @property
+    def services(self) -> tuple[Service, ...]:
+        """Services with generated types, sorted by type."""
+        found = [route.request.service for route in self.routes if route.request and route.request.service]
+        return tuple(sorted(found, key=lambda service: service.type))
 
     def conversions(self) -> dict[str, Conversion]:
         """Return every conversion, by the name of its ROS message."""

@@ -1,7 +1,7 @@
 """The ledger, mapping.lock: a record of every field number that was ever used, so that no number gets a new meaning.
 
 It contains the numbers of the payloads. As of the last `roverlink generate`, it also contains the settings of their
-rows (direction, types, QoS, deadman, limits) and the wire schema (fields and enum values with their numbers). A number
+rows (direction, types, QoS, deadman, limits, request) and the wire schema (fields and enum values with their numbers). A number
 in it counts as published: boards may send it. Rules of the file:
 
 - Each payload, setting, field and enum value has its own line, so a diff can be reviewed line by line.
@@ -23,6 +23,7 @@ from roverlink.generator.lock.row_settings import (
     DEADMAN,
     EXTRA_TOPIC,
     LIMITS,
+    REQUESTS,
     RowSettings,
     Setting,
     settings_of_row,
@@ -36,6 +37,7 @@ __all__ = [
     "EXTRA_TOPIC",
     "LIMITS",
     "NAME",
+    "REQUESTS",
     "Burned",
     "Entry",
     "Ledger",

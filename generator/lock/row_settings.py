@@ -1,7 +1,7 @@
 """Settings of rows on which boards and nodes rely, as mapping.lock records them.
 
-They are the direction, the type and QoS of each topic, the peers of `forward`, the deadman, and the limits. Each
-setting has a key and a text, so it is one line of the ledger::
+They are the direction, the type and QoS of each topic, the peers of `forward`, the deadman, the limits, and the
+request. Each setting has a key and a text, so it is one line of the ledger::
 
     16 ControlMode direction: basestation_to_ros
 """
@@ -20,6 +20,8 @@ DEADMAN = ("deadman after", "deadman repeat", "deadman send")
 LIMITS = ("expect_rate", "max_rate", "priority")
 AMOUNTS = (*DEADMAN[:2], *LIMITS)
 """Keys of settings that are numbers. The times have the unit ``ms``."""
+REQUESTS = ("request", "request service")
+"""Keys of the settings of a request: its response with the field, on which peers rely, and its service."""
 EXTRA_TOPIC = "also "
 """Start of the keys of an extra topic: ``also imu/data`` for its type, ``also imu/data qos`` for its QoS."""
 
@@ -71,6 +73,10 @@ def _settings(row: Row, package: str) -> Iterator[tuple[str, Setting]]:
         yield "deadman repeat", Setting(f"{deadman.repeat_ms}ms", deadman.at("repeat"))
         # JSON, because a text may contain line breaks, and the setting must stay one line of the ledger.
         yield "deadman send", Setting(json.dumps(dict(deadman.send), sort_keys=True), deadman.at("send"))
+    if request := row.request:
+        yield REQUESTS[0], Setting(" ".join(filter(None, (request.response, request.field))), request.span)
+        if type := row.service_type:
+            yield REQUESTS[1], Setting(f"{request.service} {package}/{type}", request.at("service"))
     for key, limit in zip(LIMITS, (row.expect_rate, row.max_rate, row.priority)):
         if limit:
             yield key, Setting(str(limit), row.at(key))

@@ -16,6 +16,7 @@ from roverlink.generator.protos.protoc import Compilation
 from roverlink.generator.protos.row_hash import row_hash
 from roverlink.generator.protos.schema import Schema, commented
 from roverlink.generator.resolve.messages import RosMessages
+from roverlink.generator.resolve.request_services import request
 from roverlink.generator.resolve.safety import check_peers, deadman
 from roverlink.generator.resolve.standard import StandardTopics
 from roverlink.generator.table import PeerSettings, Row, Table
@@ -126,6 +127,7 @@ def _route(
         extra_topics=extra_topics,
         board=table.board_of(row),
         schema_hash=row_hash(messages.schema, row.proto),
+        request=request(row, table, messages),
     )
 
 

@@ -22,7 +22,7 @@ from roverlink.generator.diagnostics import Span
 from roverlink.generator.ir import LINK_MEMBER, LINK_MESSAGE
 from roverlink.generator.ir.model import End, Qos
 from roverlink.generator.ir.protobuf_facts import LARGEST_FIELD_NUMBER
-from roverlink.generator.ir.ros_names import snake_case
+from roverlink.generator.ir.ros_names import camel_case, snake_case
 from roverlink.generator.table.parts import NAME, NOT_EMPTY, Form, Part
 from roverlink.generator.table.value_types import (
     AnyOf,
@@ -510,6 +510,43 @@ class DeadmanSettings(Part):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RequestSettings(Part):
+    """Settings under `request`: the row that answers the request, and how often the request is repeated."""
+
+    response: Annotated[FieldName, Meaning("Name of the row with the response, which has the other direction.")]
+    field: Annotated[
+        FieldName | None,
+        Meaning(
+            "Integer field of both payloads by which a response is found to belong to its request.",
+            default="only one request at a time",
+        ),
+    ] = None
+    timeout_ms: Annotated[
+        SilenceMs,
+        Meaning(
+            "Time to wait for the response before the request is sent again. The second wait is twice as long, and "
+            "all later ones are four times as long.",
+            key="timeout",
+        ),
+    ] = 500
+    attempts: Annotated[
+        Annotated[int, Integer(1, 100)], Meaning("How often the request is sent before it counts as unanswered.")
+    ] = 5
+    service: Annotated[
+        str,
+        Text("service name"),
+        Meaning(
+            "ROS 2 service for the request, relative to the node's namespace unless it starts with a slash. A row to a "
+            "peer offers it; a row from a peer calls it instead of publishing on the topic.",
+            default="none",
+        ),
+    ] = ""
+    srv: Annotated[
+        str, Text("service type"), Meaning("Name of the generated service type.", default="the row's name in CamelCase")
+    ] = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class QosSettings(Part):
     """Quality of service (QoS) of a topic."""
 
@@ -680,6 +717,14 @@ class Row(StandardTopicSettings):
             "comes too early waits for its time, and a newer message replaces it."
         ),
     ] = None
+    request: Annotated[
+        RequestSettings | None,
+        Meaning(
+            "Makes the row a request that another row answers: it is repeated until it is answered, and carried out "
+            "once.",
+            see="operations.md#requests-that-are-answered",
+        ),
+    ] = None
     priority: Annotated[
         int,
         Integer(0, 9),
@@ -692,6 +737,13 @@ class Row(StandardTopicSettings):
             see="lint.md#lower-the-severity-of-a-rule",
         ),
     ] = ()
+
+    @property
+    def service_type(self) -> str:
+        """Name of the service type for the row's request; empty if the table names no service for it."""
+        if self.request is None or not self.request.service:
+            return ""
+        return self.request.srv or camel_case(self.name)
 
     @property
     def standard(self) -> StandardTopicSettings | None:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -144,6 +145,8 @@ def _print_row(said: dict[str, Any]) -> None:
     _line("direction", f"{said['direction']}; {_peer(peer)}")
     for target in said["forward"]:
         _line("forwarded", f"raw to {_peer(target)}")
+    for text in _request(said["request"]):
+        _line("request", text)
     _line("size", _size(said["size"], peer))
     for translation in said["translation"]:
         _line("translated", _translation(translation))
@@ -164,6 +167,16 @@ def _print_row(said: dict[str, Any]) -> None:
     size = len(example["bytes"] or "") // 2
     print(f"\nexample: {example['missing'] or f'{size} bytes, as `roverlink simulate` sends it'}")
     _table([(f"{'  ' * line['depth']}{line['bytes']}", line["meaning"]) for line in example["lines"]])
+
+
+def _request(request: dict[str, Any] | None) -> Iterator[str]:
+    if request is None:
+        return
+    by = f"with the same {request['field']}" if request["field"] else "one at a time"
+    yield f"answered by {request['response']}, {by}"
+    yield f"sent up to {request['attempts']} times, again for the first time after {request['timeout_ms']} ms"
+    if service := request["service"]:
+        yield f"service {service['name']} ({service['type']})"
 
 
 def _translation(translation: dict[str, Any]) -> str:

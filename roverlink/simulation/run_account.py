@@ -22,6 +22,7 @@ _OF_THE_BRIDGE = (
     Reason.WRONG_SOURCE,
     Reason.OVER_RATE,
     Reason.OTHER_SCHEMA,
+    Reason.REPEATED,
     Reason.STOPPED,
 )
 """Reasons for drops that depend on the state of the bridge, so they cannot be predicted from the datagram alone."""
@@ -170,7 +171,7 @@ class RunTotals:
 
 def sent_to_peers(account: dict[str, Any]) -> int:
     """Return how many datagrams the bridge has sent to peers, by its account."""
-    alone = sum(account["stops"].values()) + sum(account["links_sent"].values())
+    alone = sum(sum(account[name].values()) for name in ("stops", "links_sent", "repeated"))
     return int(account["sent"] + account["forwarded"] + alone)
 
 

@@ -25,7 +25,7 @@ class Account:
     received: int = 0
     """Datagrams read from the socket."""
     published: Counter[str] = field(default_factory=Counter)
-    """Messages published on the rows' own topics, by payload."""
+    """Messages published on the rows' own topics, or given to the row's service (`request`), by payload."""
     extra_published: Counter[str] = field(default_factory=Counter)
     """Messages published on extra topics, by topic."""
     extra_unpublished: Counter[str] = field(default_factory=Counter)
@@ -62,6 +62,10 @@ class Account:
     """Messages of topics whose datagram the network refused, by payload."""
     stops: Counter[str] = field(default_factory=Counter)
     """Stop datagrams that the bridge sent on its own because a topic was silent, by payload."""
+    repeated: Counter[str] = field(default_factory=Counter)
+    """Datagrams of requests and responses that were sent again (`request`), by payload."""
+    unanswered: Counter[str] = field(default_factory=Counter)
+    """Calls of a service whose request the peer has not answered (`request`), by payload."""
     qos_mismatches: Mapping[str, Sequence[str]] = field(default_factory=dict)
     """Texts about publishers and subscriptions of other nodes whose QoS does not match now, by topic in the table."""
     kernel_drops: int = 0
@@ -82,6 +86,8 @@ class Account:
             "superseded": dict(sorted(self.superseded.items())),
             "failed": dict(sorted(self.failed.items())),
             "stops": dict(sorted(self.stops.items())),
+            "repeated": {name: count for name, count in sorted(self.repeated.items()) if count},
+            "unanswered": {name: count for name, count in sorted(self.unanswered.items()) if count},
             "clocks_ahead": dict(sorted(self.clocks_ahead.items())),
             "unsent": dict(sorted(self.unsent.items())),
             "unforwarded": dict(sorted(self.unforwarded.items())),

@@ -23,6 +23,7 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any, Protocol
 
+from roverlink.runtime.bridge import request_rows
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.counters import Counters
@@ -139,6 +140,7 @@ class Bridge:
             self._sending,
             self._counters,
         )
+        self._exchanges = request_rows.exchanges(registry)
         self._failure: RoverlinkError | None = None
         self._link = self._exchange(parameters.link_policy)
 
@@ -169,7 +171,8 @@ class Bridge:
     def __enter__(self) -> Bridge:
         handlers: tuple[AnyHandler, ...] = (*self._registry.handlers, *self._registry.extra_topics)
         # Before the first topic is open: a bridge that cannot start must not pass on a command.
-        self._middleware.check_types(handler.message_type for handler in handlers)
+        parts = [part for handler in handlers for part in handler.route.service_types]
+        self._middleware.check_types([*(handler.message_type for handler in handlers), *parts])
         inbound = [handler for handler in self._registry.handlers if handler.route.inbound]
         for handler in inbound:
             self._inbound_rows[handler.route.name] = self._inbound_row(handler)
@@ -200,6 +203,11 @@ class Bridge:
             looks.append(LoopWatch(taken, self._middleware.endpoints, NODE))
         self._watch = Timekeeper("graph-watch", looks, self._fail)
         self._warn_of_small_buffer()
+        for row in (*self._inbound_rows.values(), *self._outbound_rows):
+            if isinstance(row, request_rows.RequestFromPeer):
+                row.open_client(self._middleware, self._topic)
+            elif isinstance(row, request_rows.RequestToPeer):
+                row.offer(self._middleware, self._topic)
         self._native = self._native_way([*zip(outbound, self._outbound_rows, subscriptions)])
         self._ends.start()
         self._timekeeper.__enter__()
@@ -227,6 +235,9 @@ class Bridge:
             steps.callback(self._middleware.close)
             for paced in reversed(self._paced):
                 steps.callback(paced.end)
+            for row in self._outbound_rows:
+                if isinstance(row, request_rows.RequestToPeer):
+                    steps.callback(row.end_calls)
             steps.callback(self._timekeeper.__exit__)
             steps.callback(self._watch.__exit__)
             if self._native is not None:
@@ -314,6 +325,7 @@ class Bridge:
                 self._ends.destinations,
                 self._signed_peers,
                 [one for one in self._observers if isinstance(one, DatagramObserver)],
+                request_rows.in_python(self._exchanges),
             )
         except (NoCoreError, AttributeError, OSError) as error:  # the middleware's library may be another version
             self.way = f"Python handles all messages ({error})"
@@ -458,6 +470,8 @@ class Bridge:
     def _inbound_row(self, handler: AnyHandler) -> InboundRow:
         route = handler.route
         publisher = self._publisher(handler)
+        if (exchange := self._exchanges.get(route.name)) is not None:
+            return request_rows.inbound_row(exchange, handler, publisher, self._account, self._counters.count_dropped)
         if route.max_rate is None:
             return InboundRow(route, publisher, self._account, self._counters.count_dropped)
         row = PacedInboundRow(route, publisher, self._account, self._counters.count_dropped, route.max_rate)
@@ -486,7 +500,9 @@ class Bridge:
         send = self._signed_peers.sending(route.peer, route.board, partial(self._sending, destination=destination))
         for observer in self._observers:
             send = observer.sending(route.peer, send)
-        return OutboundRow(handler, self._translator, send, self._account, self._counters.warnings)
+        given = (handler, self._translator, send, self._account, self._counters.warnings)
+        exchange = self._exchanges.get(route.name)
+        return OutboundRow(*given) if exchange is None else request_rows.outbound_row(exchange, *given)
 
     def _subscribe(self, handler: AnyHandler, row: OutboundRow) -> Subscription:
         route = handler.route

@@ -55,11 +55,13 @@ class NativeWay:
         destinations: Mapping[EndName, Destination],
         signed: SignedPeers,
         observers: Sequence[DatagramObserver],
+        in_python: Mapping[str, str],
     ) -> None:
         """Prepare the way, which no row takes yet.
 
         ``inbound`` are the rows whose datagrams go to topics, by name. ``outbound`` are the topics whose messages go
         to peers. ``signed`` has the keys of the peers that must sign. ``observers`` get a copy of each datagram.
+        ``in_python`` has the reason for each row that needs Python, whatever the core can do.
         """
         self._ends = [*destinations]
         self._inbound = inbound.values()
@@ -79,7 +81,7 @@ class NativeWay:
                 [*map(keys.stream, signed.streams(handler.route))] if handler.route.peer in signed.must_sign else None,
             )
             for handler in registry.handlers
-            if handler.route.inbound
+            if handler.route.inbound and handler.route.name not in in_python
         ]
         links = [] if registry.link is None else [registry.link.number]
         received = [one.received for one in observers]
@@ -91,7 +93,7 @@ class NativeWay:
         is_ordered = bool(signed.must_sign) or any(peer.source_rate for peer in registry.peers)
         number = registry.signature or 0
         self.loop = DatagramLoop(core, rows, forwarding, number, is_ordered, links, BOUNDS_S, received)
-        self.reasons = self.loop.reasons
+        self.reasons = {**self.loop.reasons, **in_python}
         """Reason why Python handles the messages of a row, by the row's name."""
         self._outbound: list[tuple[OutboundRow, Route, EndName, native.Subscription]] = []
         for handler, row, subscription in outbound:

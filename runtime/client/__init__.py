@@ -7,6 +7,7 @@ the rows. `Reassembler` puts frames together that a sender has divided into seve
 from roverlink.runtime.client.asyncio_peer import Peer
 from roverlink.runtime.client.blocking_peer import BlockingPeer
 from roverlink.runtime.client.link_end import LinkEnd
+from roverlink.runtime.client.pending_requests import UnansweredError
 from roverlink.runtime.client.reassembly import Frame, Reassembler
 from roverlink.runtime.client.repeating import Repetition
 from roverlink.runtime.client.session import ClosedError, Hook, Received, Traffic
@@ -22,4 +23,5 @@ __all__ = [
     "Received",
     "Repetition",
     "Traffic",
+    "UnansweredError",
 ]

@@ -6,13 +6,17 @@ import asyncio
 import contextlib
 import math
 import time
-from collections.abc import AsyncIterator
-from typing import Any, TypeVar, cast, overload
+from collections.abc import AsyncIterator, Callable
+from typing import TYPE_CHECKING, Any, TypeVar, cast, overload
 
 from roverlink.runtime.client.peer_end import PeerEnd
 from roverlink.runtime.client.reassembly import Frame, Part, Reassembler
-from roverlink.runtime.client.session import ClosedError, Received, Session
+from roverlink.runtime.client.session import ClosedError, Received
+from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.net import udp
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
 
 P = TypeVar("P")
 F = TypeVar("F", bound=Part)
@@ -35,7 +39,7 @@ class Peer(PeerEnd):
         self._news = asyncio.Event()
         self._timer: asyncio.TimerHandle | None = None
         self._transport, self._arrivals = await loop.create_datagram_endpoint(
-            lambda: _Arrivals(self._session, self._news), sock=self._bind()
+            lambda: _Arrivals(self._take_in), sock=self._bind()
         )
         self._start()
         return self
@@ -70,6 +74,28 @@ class Peer(PeerEnd):
             self._news.clear()
             await self._news.wait()
 
+    async def request(self, payload: ProtoMessage, row: str | None = None) -> Any:
+        """Send a payload whose row is a request, again and again until it is answered, and return the response.
+
+        Raises `UnansweredError` if no response comes, `ClosedError` if the peer is closed meanwhile, and the errors of
+        `send`, but no `OSError`: a later datagram may get through. A request that is cancelled is not sent any more.
+        """
+        response = asyncio.get_running_loop().create_future()
+
+        def done(result: ProtoMessage | RoverlinkError) -> None:
+            if response.done():  # it was cancelled just now
+                return
+            if isinstance(result, RoverlinkError):
+                response.set_exception(result)
+            else:
+                response.set_result(result)
+
+        self._ask(payload, row, done)
+        try:
+            return await response
+        finally:
+            self._session.requests.cancel(done, time.monotonic())
+
     async def __aiter__(self) -> AsyncIterator[Received]:
         """Yield the payloads that arrive, until the peer is closed."""
         self._opened()
@@ -86,24 +112,31 @@ class Peer(PeerEnd):
                 if (frame := reassembler.add(await self.receive(payload_type))) is not None:
                     yield frame
 
+    def _take_in(self, datagram: bytes) -> None:
+        """Take in a datagram, and wake the tasks that wait for one."""
+        now = time.monotonic()
+        self._session.take_in(datagram, now)
+        self._news.set()
+        if self._session.requests.next_due <= now and self._socket is not None:  # the response lets the next one go
+            self._send_due()
+
     def _wait_for_due(self) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        if (due := self._schedule.next_due) < math.inf:
+        if (due := self._next_due) < math.inf:
             self._timer = self._loop.call_later(max(0.0, due - time.monotonic()), self._send_due)
 
 
 class _Arrivals(asyncio.DatagramProtocol):
-    """Receiver of asyncio's datagrams for a session."""
+    """Receiver of asyncio's datagrams for a peer."""
 
-    def __init__(self, session: Session, news: asyncio.Event) -> None:
-        self._session, self._news = session, news
+    def __init__(self, take_in: Callable[[bytes], None]) -> None:
+        self._take_in = take_in
         self.ended = asyncio.Event()
 
     def datagram_received(self, data: bytes, addr: Any) -> None:  # noqa: ARG002
-        """Queue the payload, and wake the tasks that wait for one."""
-        self._session.take_in(data)
-        self._news.set()
+        """Pass the datagram on."""
+        self._take_in(data)
 
     def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002
         """Tell that the socket is closed."""

@@ -7,12 +7,16 @@ import selectors
 import time
 from collections.abc import Iterator
 from itertools import islice
-from typing import Any, TypeVar, cast, overload
+from typing import TYPE_CHECKING, Any, TypeVar, cast, overload
 
 from roverlink.runtime.client.peer_end import PeerEnd
 from roverlink.runtime.client.reassembly import Frame, Part, Reassembler
 from roverlink.runtime.client.session import Received
+from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.net import udp
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message as ProtoMessage
 
 P = TypeVar("P")
 F = TypeVar("F", bound=Part)
@@ -70,8 +74,28 @@ class BlockingPeer(PeerEnd):
             now = time.monotonic()
             if now >= deadline:
                 raise TimeoutError(f"no payload has arrived for {timeout:g} s")
-            self._selector.select(_until(min(deadline, self._schedule.next_due), now))
+            self._selector.select(_until(min(deadline, self._next_due), now))
         return received if payload_type is None else cast("P", received.payload)
+
+    def request(self, payload: ProtoMessage, row: str | None = None) -> Any:
+        """Send a payload whose row is a request, again and again until it is answered, and return the response.
+
+        Other payloads that arrive meanwhile wait for `receive`. Raises `UnansweredError` if no response comes, and the
+        errors of `send`, but no `OSError`: a later datagram may get through.
+        """
+        results: list[ProtoMessage | RoverlinkError] = []
+        done = results.append
+        self._ask(payload, row, done)
+        try:
+            while not results:
+                self._do_due()
+                if not results:
+                    self._selector.select(_until(self._next_due, time.monotonic()))
+        finally:
+            self._session.requests.cancel(done, time.monotonic())
+        if isinstance(results[0], RoverlinkError):
+            raise results[0]
+        return results[0]
 
     def arrived(self) -> list[Received]:
         """Return the payloads that have arrived, oldest first, without waiting. For programs with a loop of their own.
@@ -96,14 +120,18 @@ class BlockingPeer(PeerEnd):
                 yield frame
 
     def _take(self, payload_type: type[Any] | None = None) -> Received | None:
-        """Do all that is due: send repeated payloads, and take in what has arrived. Then return the oldest payload."""
+        """Do all that is due, and return the oldest payload."""
+        self._do_due()
+        return self._session.take(payload_type)
+
+    def _do_due(self) -> None:
+        """Send repeated payloads, and take in what has arrived."""
         self._opened()
         self._send_due()
         # Before the queue is served: a full queue drops its oldest payloads, but the kernel would drop the newest ones.
         for batch in islice(iter(self._read, []), _MOST_BATCHES):
             for datagram in batch:
-                self._session.take_in(datagram)
-        return self._session.take(payload_type)
+                self._session.take_in(datagram, time.monotonic())
 
     def _wait_for_due(self) -> None:
         """Do nothing: `receive` wakes up in time."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from roverlink.runtime.client.link_end import PERIOD_S, LinkEnd
+from roverlink.runtime.client.pending_requests import Done
 from roverlink.runtime.client.repeating import Repetition, Schedule
 from roverlink.runtime.client.session import ClosedError, Hook, Session, Traffic
 from roverlink.runtime.client.signatures import Signatures
@@ -159,10 +160,22 @@ class PeerEnd(ABC):
         self._send_due()
         return repetition
 
+    def _ask(self, payload: ProtoMessage, row: str | None, done: Done) -> None:
+        """Send a payload that is a request, and again until ``done`` is called with the response or an error."""
+        self._opened()
+        self._session.requests.ask(self._session.row_of(payload, row), payload, done)
+        self._send_due()
+
+    @property
+    def _next_due(self) -> float:
+        """Time at which `_send_due` has something to do."""
+        return min(self._schedule.next_due, self._session.requests.next_due)
+
     def _send_due(self) -> None:
-        """Send the repeated datagrams that are due."""
+        """Send the repeated datagrams and the requests that are due."""
+        now = time.monotonic()
         try:
-            for datagram in self._schedule.take_due(time.monotonic()):
+            for datagram in (*self._schedule.take_due(now), *self._session.requests.take_due(now)):
                 try:
                     self.send_datagram(datagram)
                 except OSError:
@@ -192,6 +205,7 @@ class PeerEnd(ABC):
         if self._signatures is not None:
             self._signatures.__exit__()
         self._socket = None
+        self._session.requests.withdraw(ClosedError(f"{self._session.end} was closed before the response came"))
         self._schedule = Schedule()
         self._repeated.clear()
 

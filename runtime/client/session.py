@@ -12,8 +12,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from roverlink.runtime.client.link_end import LinkEnd
-from roverlink.runtime.core.errors import DatagramError, RoverlinkError, SetupError, nearest
+from roverlink.runtime.client.pending_requests import Requests
+from roverlink.runtime.core.errors import DatagramError, Reason, RoverlinkError, SetupError, nearest
 from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
+from roverlink.runtime.core.repeater import Fate
 from roverlink.runtime.core.translator import Translator
 
 if TYPE_CHECKING:
@@ -58,9 +60,9 @@ class Traffic:
     received: int = 0
     """Datagrams received."""
     consumed: int = 0
-    """Received link messages, and datagrams that a hook has kept for itself."""
+    """Received link messages, responses to requests, and datagrams that a hook has kept for itself."""
     dropped: Counter[str] = field(default_factory=Counter)
-    """Received datagrams without a payload that can be read, by reason, such as ``malformed``."""
+    """Received datagrams without a payload that can be read or is of use, by reason, such as ``malformed``."""
     overflowed: int = 0
     """Payloads that were dropped because the program takes them too slowly. The oldest ones are dropped."""
 
@@ -89,6 +91,8 @@ class Session:
         self._arrived: deque[Received] = deque(maxlen=queue)
         self.link = LinkEnd(registry, end) if link and registry.link is not None else None
         """Exchange of link messages; None if there is none."""
+        self.requests = Requests(registry, end)
+        """Requests in both directions."""
 
     # --- sending ---
 
@@ -114,7 +118,10 @@ class Session:
 
     def wrap(self, payload: ProtoMessage, row: str | None = None) -> bytes:
         """Return the datagram with a payload, before the hooks. Raises the errors of `row_of` and `ConversionError`."""
-        return self._registry.datagram(self.row_of(payload, row).route.name, payload)
+        handler = self.row_of(payload, row)
+        datagram = self._registry.datagram(handler.route.name, payload)
+        self.requests.store(handler, payload, datagram)
+        return datagram
 
     def outgoing(self, datagram: bytes) -> bytes:
         """Return the bytes to send for a datagram. Send them at once and in order: they may contain a timestamp."""
@@ -148,16 +155,20 @@ class Session:
 
     # --- receiving ---
 
-    def take_in(self, datagram: bytes) -> None:
-        """Count a datagram that has arrived, and queue its payload for `take`."""
+    def take_in(self, datagram: bytes, now: float) -> None:
+        """Count a datagram that has arrived, and queue its payload for `take`, or give it to who waits for it."""
         self.traffic.received += 1
         try:
             received = self._read(datagram)
         except DatagramError as error:
             self.traffic.dropped[error.reason.value] += 1
             return
-        if received is None:
+        fate = None if received is None else self.requests.take(*received, now)
+        if received is None or fate is None:
             self.traffic.consumed += 1
+            return
+        if fate is Fate.REPEATED:
+            self.traffic.dropped[Reason.REPEATED.value] += 1
             return
         self.traffic.overflowed += len(self._arrived) == self._arrived.maxlen
         self._arrived.append(received)

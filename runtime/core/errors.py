@@ -93,6 +93,8 @@ class Reason(str, Enum):
     """The timestamp of the signature is more than ten years ahead of the computer's clock."""
     OTHER_SCHEMA = "other_schema"
     """The peer has another schema of the payload than the bridge (parameter ``link_policy``)."""
+    REPEATED = "repeated"
+    """The same request or response has come before (table key ``request``)."""
     STOPPED = "stopped"
     """The bridge stopped before it could handle the datagram."""
 

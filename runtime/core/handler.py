@@ -55,6 +55,33 @@ class Deadman:
 
 
 @dataclass(frozen=True, slots=True)
+class RowService:
+    """ROS 2 service for the requests of a row."""
+
+    name: str
+    """Name of the service; relative to the node's namespace unless it starts with a slash."""
+    request: type[Message]
+    """Fields of the row's ROS message without the correlation field."""
+    response: type[Message]
+    """Text ``error``, then the fields of the response's ROS message without the correlation field."""
+
+
+@dataclass(frozen=True, slots=True)
+class RowRequest:
+    """Settings of a row that is a request, which another row answers (table key ``request``)."""
+
+    response: str
+    """Name of the row with the response."""
+    timeout_ms: int
+    """Time in milliseconds to wait for the response before the request is sent again."""
+    attempts: int
+    """How often the request is sent."""
+    field: str = ""
+    """Integer field of both payloads by which they belong together; empty if there is one request at a time."""
+    service: RowService | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Route:
     """One row of the table: number, payload, topic and direction, with the row's options."""
 
@@ -81,6 +108,14 @@ class Route:
     """Expected messages a second; diagnostics warn if the rate is clearly lower. None for no expectation."""
     board: str = ""
     """Board of the peer that sends or receives the payload, such as ``ArmBoard``; empty if the table names none."""
+    request: RowRequest | None = None
+    """Row that answers the payload, and how often the payload is repeated until then; None if it is no request."""
+
+    @property
+    def service_types(self) -> tuple[type[Message], ...]:
+        """Request and response of the service for the row's requests; empty without one."""
+        service = self.request.service if self.request is not None else None
+        return () if service is None else (service.request, service.response)
 
     @property
     def inbound(self) -> bool:

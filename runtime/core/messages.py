@@ -40,7 +40,8 @@ def how_to_install(message_type: type[Message]) -> str:
     If the package is generated from the table, the text names a ``colcon build`` command. Otherwise the package belongs
     to ROS 2, and the text names an ``apt install`` command.
     """
-    generated, ours, _ = message_type.__module__.partition(".messages.")
+    # Classes of services are beside those of messages.
+    generated, ours, _ = message_type.__module__.replace(".services.", ".messages.").partition(".messages.")
     if ours:
         return f"run `colcon build --base-paths {generated.replace('.', '/')}/ros` and source its setup.bash"
     package = message_type.__msgtype__.partition("/")[0]

@@ -58,6 +58,7 @@ def _mirrored(handler: H, end: EndName) -> H:
         # The rover limits what it sends. A second limit would only delay what the link's jitter has pushed together.
         max_rate=None if is_ours and not route.inbound else route.max_rate,
         board="",
+        request=route.request if is_ours else None,  # a forwarded one is answered on the rover
     )
     members = {"route": mirror, "__module__": kind.__module__}  # the native core finds the package by the module
     made: H = type(kind.__name__, (kind,), members)()

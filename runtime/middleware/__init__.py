@@ -17,6 +17,8 @@ from roverlink.runtime.middleware.protocol import (
     NodeIdentity,
     NodeParameters,
     Publisher,
+    Respond,
+    ServiceClient,
     Subscription,
 )
 
@@ -29,6 +31,8 @@ __all__ = [
     "NodeIdentity",
     "NodeParameters",
     "Publisher",
+    "Respond",
+    "ServiceClient",
     "Subscription",
     "can_import",
     "open_middleware",

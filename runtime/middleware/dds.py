@@ -28,7 +28,7 @@ from cyclonedds.util import duration
 
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import MiddlewareError
-from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.handler import Qos, RowService
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.interfaces import Time
@@ -43,12 +43,19 @@ from roverlink.runtime.middleware.cyclone import (
     reading_functions,
 )
 from roverlink.runtime.middleware.dds_graph import DdsGraph
-from roverlink.runtime.middleware.dds_services import DdsServices
+from roverlink.runtime.middleware.dds_services import DdsClient, DdsServices
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
 from roverlink.runtime.middleware.joined_addresses import JoinedAddresses, is_local
 from roverlink.runtime.middleware.parameter_services import ParameterServices
-from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
+from roverlink.runtime.middleware.protocol import (
+    Callback,
+    Endpoint,
+    Middleware,
+    NodeIdentity,
+    NodeParameters,
+    Respond,
+)
 from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.middleware.serving import ServedTopic, has_ended, serve
 from roverlink.runtime.native import bridge_layout as native
@@ -74,6 +81,7 @@ _WITHOUT_FAST_TYPES = (
     "</CycloneDDS>"
 )
 _PARAMETER_EVENTS = Qos(depth=1000)  # rmw_qos_profile_parameter_events
+_RMW, _CYCLONE = "RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"
 _LEAVE_S = 0.3  # time for subscribers to acknowledge the last messages
 
 
@@ -153,10 +161,9 @@ class DdsMiddleware(Middleware):
         self._services: DdsServices | None = None
         self._parameters: NodeParameters | ParameterServices | None = parameters
         # A Fast DDS client would see the services, but wait forever for a response (module `dds_services`).
-        if parameters is not None and os.environ.get("RMW_IMPLEMENTATION") == "rmw_cyclonedds_cpp":
+        if parameters is not None and os.environ.get(_RMW) == _CYCLONE:
             self._parameters = ParameterServices(parameters, self._parameter_events(node))
-            services = self._parameters.services()
-            self._services = DdsServices(self._participant, self._announcer, node.full_name, services)
+            self._opened_services().answer(node.full_name, self._parameters.services())
         self._open = True
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
         self._thread.start()
@@ -211,6 +218,27 @@ class DdsMiddleware(Middleware):
                     delete(reader)
 
         return DdsSubscription(raw_reader, lend, close)
+
+    def offer(self, name: str, service: RowService, answer: Callable[[bytes, Respond], None]) -> None:
+        """Offer a service for clients that use Cyclone DDS; log a warning if those of this computer do not."""
+        if os.environ.get(_RMW) == _CYCLONE:
+            self._opened_services().offer(name, service.request, service.response, answer)
+            return
+        logging.getLogger("roverlink").warning(
+            "the service %s is not offered: with the middleware dds, only clients with %s=%s get a response; "
+            "set it, or use --middleware rclpy",
+            name,
+            _RMW,
+            _CYCLONE,
+        )
+
+    def client(self, name: str, service: RowService) -> DdsClient:
+        """Create a client of a service, which a node must offer that uses Cyclone DDS."""
+        return self._opened_services().client(name, service.request, service.response)
+
+    def _opened_services(self) -> DdsServices:
+        self._services = self._services or DdsServices(self._participant, self._announcer)
+        return self._services
 
     def endpoints(self, topic: str, publishing: bool) -> list[Endpoint]:
         """Return the publishers or the subscriptions of a fully qualified topic that DDS has found so far."""

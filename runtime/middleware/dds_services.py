@@ -10,11 +10,15 @@ therefore never gets a response.
 
 from __future__ import annotations
 
+import itertools
 import logging
+import secrets
 import threading
 import time
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from cyclonedds.core import GuardCondition, ReadCondition, WaitSet
@@ -27,16 +31,20 @@ from cyclonedds.util import duration
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.handler import Qos
-from roverlink.runtime.core.messages import Int64, Message, UInt64, fields_of
+from roverlink.runtime.core.messages import Int64, Message, UInt64
 from roverlink.runtime.middleware.cyclone import EVERYTHING, RawReader, RawWriter
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
 from roverlink.runtime.middleware.parameter_services import Service
+from roverlink.runtime.middleware.protocol import Respond
 
 _QOS = Qos(depth=1000)  # rmw_qos_profile_parameters
 _TAKE = 16  # most requests taken at a time
 _MATCH_S = 0.1  # longest wait for the client's reader, as in rmw_cyclonedds_cpp
 _LOOK_S = 0.01
+_ENCAPSULATION = 4  # bytes of CDR's own header
+_BODY = _ENCAPSULATION + 16
+_MOST_WAITING = 256
 
 
 @dataclass
@@ -54,60 +62,140 @@ def _with_header(message_type: type[Message]) -> Any:
 
 
 class DdsServices:
-    """Services of one node, with their own thread: a request must not hold up the node's topics."""
+    """Services of one node and its clients of services, with their own thread: they must not hold up the topics."""
 
-    def __init__(
-        self, participant: DomainParticipant, announcer: GraphAnnouncer, node: str, services: Sequence[Service]
-    ) -> None:
-        """Offer services below ``node``, the fully qualified name of the node: ``/rover/bridge/get_parameters``."""
+    def __init__(self, participant: DomainParticipant, announcer: GraphAnnouncer) -> None:
+        self._participant, self._announcer = participant, announcer
         self._waitset = WaitSet(participant)
         self._stopped = GuardCondition(participant)
         self._waitset.attach(self._stopped)
-        self._servers = [_Server(participant, announcer, f"{node}/{service.name}", service) for service in services]
-        for server in self._servers:
-            self._waitset.attach(server.condition)
-        self._thread = threading.Thread(target=self._answer_until_stopped, name="dds-services", daemon=True)
+        self._ends: tuple[_Server | DdsClient, ...] = ()
+        self._responses: deque[Callable[[], None]] = deque()
+        self._responded = GuardCondition(participant)
+        self._waitset.attach(self._responded)
+        self._thread = threading.Thread(target=self._take_until_stopped, name="dds-services", daemon=True)
         self._thread.start()
+
+    def answer(self, node: str, services: Sequence[Service]) -> None:
+        """Offer services below ``node``, the fully qualified name of the node: ``/rover/bridge/get_parameters``."""
+        for service in services:
+            self.offer(f"{node}/{service.name}", service.request, service.response, _answering(service))
+
+    def offer(
+        self,
+        name: str,
+        request: type[Message],
+        response: type[Message],
+        answer: Callable[[bytes, Respond], None],
+    ) -> None:
+        """Offer a service with a fully qualified name; see `Middleware.offer`."""
+        self._add(_Server(self._participant, self._announcer, name, (request, response), answer, self._do_later))
+
+    def client(self, name: str, request: type[Message], response: type[Message]) -> DdsClient:
+        """Create a client of the service with a fully qualified name."""
+        client = DdsClient(self._participant, self._announcer, name, (request, response))
+        self._add(client)
+        return client
 
     def close(self) -> None:
         """Stop the thread; later requests get no response."""
         self._stopped.set(True)
         self._thread.join()
 
-    def _answer_until_stopped(self) -> None:
+    def _add(self, end: _Server | DdsClient) -> None:
+        self._ends = (*self._ends, end)  # before the thread is woken for it
+        self._waitset.attach(end.condition)
+
+    def _do_later(self, respond: Callable[[], None]) -> None:
+        """Let the thread write a response: it may have to wait for the client's reader, which no other thread may."""
+        self._responses.append(respond)
+        self._responded.set(True)
+
+    def _take_until_stopped(self) -> None:
         while not self._stopped.read():
             self._waitset.wait(duration(infinite=True))
-            for server in self._servers:
-                server.answer_requests()
+            self._responded.set(False)
+            for end in self._ends:
+                end.take()
+            while self._responses:
+                self._responses.popleft()()
+
+
+def _answering(service: Service) -> Callable[[bytes, Respond], None]:
+    """Return the function that answers serialized requests of a service that has its answers at once."""
+
+    def answer(data: bytes, respond: Respond) -> None:
+        try:
+            request = cdr.decode(service.request, data)
+        except ConversionError as error:
+            logging.getLogger("roverlink").warning("request to %s ignored: %s", service.name, error)
+        else:
+            respond(cdr.encode(service.answer(request)))
+
+    return answer
+
+
+class _Endpoints:
+    """Writer and reader of one end of a service."""
+
+    def __init__(
+        self,
+        participant: DomainParticipant,
+        announcer: GraphAnnouncer,
+        written: tuple[str, type[Message]],
+        read: tuple[str, type[Message]],
+    ) -> None:
+        """Open the topics; each comes with the type of its messages."""
+        topics: list[Topic[Any]] = [
+            Topic(participant, name, dds_type(_with_header(message_type))) for name, message_type in (written, read)
+        ]
+        self.writer = DataWriter(participant, topics[0], qos=dds_qos(_QOS, writing=True))
+        self.reader = DataReader(participant, topics[1], qos=dds_qos(_QOS, writing=False))
+        self.condition = ReadCondition(self.reader, EVERYTHING)
+        self.raw_reader, self.raw_writer = RawReader(self.reader), RawWriter(self.writer)
+        announcer.add_writer(self.writer)
+        announcer.add_reader(self.reader)
+
+    def taken(self) -> Iterator[tuple[bytes, bytes]]:
+        """Yield the header of each message that has arrived, and the message without it."""
+        for data in self.raw_reader.take(_TAKE):
+            if len(data) >= _BODY:
+                yield data[_ENCAPSULATION:_BODY], data[:_ENCAPSULATION] + data[_BODY:]
+
+    def write(self, header: bytes, message: bytes) -> bool:
+        """Write a message with a header; return false if DDS does not accept it."""
+        # The header has 16 bytes, so that the fields behind it keep their alignment.
+        data = message[:_ENCAPSULATION] + header + message[_ENCAPSULATION:]
+        return self.raw_writer.write([data]) == 1
 
 
 class _Server:
     """One service: a reader of requests and a writer of responses."""
 
-    def __init__(self, participant: DomainParticipant, announcer: GraphAnnouncer, name: str, service: Service) -> None:
-        self._service = service
-        self._request, self._response = _with_header(service.request), _with_header(service.response)
-        requests: Topic[Any] = Topic(participant, f"rq{name}Request", dds_type(self._request))
-        responses: Topic[Any] = Topic(participant, f"rr{name}Reply", dds_type(self._response))
-        self._writer = DataWriter(participant, responses, qos=dds_qos(_QOS, writing=True))
-        self._reader = DataReader(participant, requests, qos=dds_qos(_QOS, writing=False))
-        self.condition = ReadCondition(self._reader, EVERYTHING)
-        self._raw_reader, self._raw_writer = RawReader(self._reader), RawWriter(self._writer)
-        announcer.add_writer(self._writer)
-        announcer.add_reader(self._reader)
+    def __init__(
+        self,
+        participant: DomainParticipant,
+        announcer: GraphAnnouncer,
+        name: str,
+        types: tuple[type[Message], type[Message]],
+        answer: Callable[[bytes, Respond], None],
+        do_later: Callable[[Callable[[], None]], None],
+    ) -> None:
+        self._answer, self._do_later = answer, do_later
+        self._ends = _Endpoints(participant, announcer, (f"rr{name}Reply", types[1]), (f"rq{name}Request", types[0]))
+        self.condition = self._ends.condition
 
-    def answer_requests(self) -> None:
-        """Answer the requests that have arrived."""
-        for data in self._raw_reader.take(_TAKE):
-            try:
-                request = cdr.decode(self._request, data)
-            except ConversionError as error:
-                logging.getLogger("roverlink").warning("request to %s ignored: %s", self._service.name, error)
-                continue
-            answer = self._service.answer(request)
-            values = [getattr(answer, field.name) for field in fields_of(self._service.response)]
-            self._wait_for_the_clients_reader()
-            self._raw_writer.write([cdr.encode(self._response(request.client, request.number, *values))])
+    def take(self) -> None:
+        """Answer the requests that have arrived, or let them be answered later."""
+        for header, request in self._ends.taken():
+            self._answer(request, partial(self._respond_later, header))
+
+    def _respond_later(self, header: bytes, response: bytes) -> None:
+        self._do_later(partial(self._respond, header, response))
+
+    def _respond(self, header: bytes, response: bytes) -> None:
+        self._wait_for_the_clients_reader()
+        self._ends.write(header, response)
 
     def _wait_for_the_clients_reader(self) -> None:
         """Wait until each client that can send a request can also receive the response, at most 0.1 s.
@@ -115,7 +203,42 @@ class _Server:
         DDS may discover the client's reader of responses after the client's writer of requests.
         """
         deadline = time.monotonic() + _MATCH_S
-        while time.monotonic() < deadline and len(self._writer.get_matched_subscriptions()) < len(
-            self._reader.get_matched_publications()
+        writer, reader = self._ends.writer, self._ends.reader
+        while time.monotonic() < deadline and len(writer.get_matched_subscriptions()) < len(
+            reader.get_matched_publications()
         ):
             time.sleep(_LOOK_S)
+
+
+class DdsClient:
+    """Client of one service: a writer of requests and a reader of responses. Several threads may call."""
+
+    def __init__(
+        self,
+        participant: DomainParticipant,
+        announcer: GraphAnnouncer,
+        name: str,
+        types: tuple[type[Message], type[Message]],
+    ) -> None:
+        self._ends = _Endpoints(participant, announcer, (f"rq{name}Request", types[0]), (f"rr{name}Reply", types[1]))
+        self.condition = self._ends.condition
+        self._identity = secrets.randbits(64)
+        self._numbers = itertools.count(1)
+        self._waiting: dict[bytes, Respond] = {}
+
+    def call(self, request: bytes, done: Respond) -> bool:
+        """Send a request; return false if no node offers the service."""
+        ends = self._ends
+        if not (ends.writer.get_matched_subscriptions() and ends.reader.get_matched_publications()):
+            return False
+        header = cdr.encode(_Header(self._identity, next(self._numbers)))[_ENCAPSULATION:]
+        self._waiting[header] = done
+        if len(self._waiting) > _MOST_WAITING:  # a node that does not answer must not fill the memory
+            self._waiting.pop(next(iter(self._waiting)), None)
+        return ends.write(header, request)
+
+    def take(self) -> None:
+        """Pass on the responses that have arrived. Those to other clients of the service arrive, too."""
+        for header, response in self._ends.taken():
+            if (done := self._waiting.pop(header, None)) is not None:
+                done(response)

@@ -43,10 +43,21 @@ def installed_class(message_type: type[Message]) -> Any:
     return _import(message_type)
 
 
-def _import(message_type: type[Message]) -> Any:
-    package, _, name = message_type.__msgtype__.split("/")
+def installed_service(request: type[Message]) -> Any:
+    """Return the class that rosidl generated for a service, by the type of its request.
+
+    Raises `MiddlewareError` if it is not installed.
+    """
+    return _import(request, of_service=True)
+
+
+def _import(message_type: type[Message], of_service: bool = False) -> Any:
+    """Return an installed class: of a message, or of a part of a service or the whole service."""
+    package, kind, name = message_type.__msgtype__.split("/")
+    service, _, part = name.partition("_")  # rosidl has the class of ``Trigger_Request`` as ``Trigger.Request``
     try:
-        return getattr(importlib.import_module(f"{package}.msg"), name)
+        found = getattr(importlib.import_module(f"{package}.{kind}"), service)
+        return getattr(found, part) if part and not of_service else found
     except (ImportError, AttributeError) as error:
         raise MiddlewareError(
             f"the interface {message_type.__msgtype__} is not installed ({error}); {how_to_install(message_type)}"

@@ -7,11 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.handler import Qos, RowService
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeParameters
+from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeParameters, Respond
 
 Callbacks = list[Callback]
+Answer = Callable[[bytes, Respond], None]
 
 
 @dataclass
@@ -24,6 +25,7 @@ class Graph:
     callbacks: defaultdict[str, Callbacks] = field(default_factory=lambda: defaultdict(list))
     publishers: Counter[str] = field(default_factory=Counter)
     types: dict[str, str] = field(default_factory=dict)
+    services: dict[str, Answer] = field(default_factory=dict)
 
 
 class MemoryPublisher:
@@ -57,6 +59,19 @@ class MemorySubscription:
     def close(self) -> None:
         """Remove the callback from the graph."""
         self._close()
+
+
+class MemoryClient:
+    """Client that calls the function of a service directly."""
+
+    def __init__(self, graph: Graph, name: str) -> None:
+        self._services, self._name = graph.services, name
+
+    def call(self, request: bytes, done: Respond) -> bool:
+        """Call the service's function; return false if no middleware offers the service."""
+        if (answer := self._services.get(self._name)) is not None:
+            answer(request, done)
+        return answer is not None
 
 
 class MemoryMiddleware(Middleware):
@@ -96,6 +111,14 @@ class MemoryMiddleware(Middleware):
                 callbacks.remove(callback)
 
         return MemorySubscription(self._graph, topic, close)
+
+    def offer(self, name: str, service: RowService, answer: Answer) -> None:
+        """Offer a service; ``answer`` is called on the thread that calls the service."""
+        self._graph.services[name] = answer
+
+    def client(self, name: str, service: RowService) -> MemoryClient:
+        """Create a client of a service of the graph."""
+        return MemoryClient(self._graph, name)
 
     def endpoints(self, topic: str, publishing: bool) -> tuple[Endpoint, ...]:
         """Return an empty tuple, because topics in memory have no QoS."""

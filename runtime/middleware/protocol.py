@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
-from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.handler import Qos, RowService
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.rcl_interfaces import ParameterDescriptor
 
@@ -104,6 +104,21 @@ class Subscription(Protocol):
         """End the subscription. The callback may still be called for messages that have just been taken."""
 
 
+Respond = Callable[[bytes], None]
+"""Function that sends the serialized response to one request of a service. Must be called once, on any thread."""
+
+
+class ServiceClient(Protocol):
+    """Client of one service."""
+
+    def call(self, request: bytes, done: Respond) -> bool:
+        """Send a serialized request, and call ``done`` with the serialized response, on a thread of the middleware.
+
+        Returns false if no node is known that offers the service; ``done`` is not called then. Never waits. If the
+        node does not answer, ``done`` is never called.
+        """
+
+
 class Middleware(Protocol):
     """Connection to the ROS 2 graph as one node. A context manager: on exit the node leaves the graph."""
 
@@ -133,6 +148,18 @@ class Middleware(Protocol):
         more messages than the depth of the QoS until it can call ``callback``; ``exact_depth`` forbids this, so that
         large messages such as images do not fill the memory.
         """
+
+    def offer(self, name: str, service: RowService, answer: Callable[[bytes, Respond], None]) -> None:
+        """Offer a service with a fully qualified name, until the node leaves the graph.
+
+        ``answer`` is called with each serialized request, on a thread of the middleware, and must not wait: it, or
+        something else later, calls the function that it gets with the response.
+        """
+        raise NotImplementedError
+
+    def client(self, name: str, service: RowService) -> ServiceClient:
+        """Create a client of the service with a fully qualified name."""
+        raise NotImplementedError
 
     def topics(self) -> Mapping[str, str]:
         """Return the fully qualified topics with publishers that the middleware knows now, each with its message type.

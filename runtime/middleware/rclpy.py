@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import rclpy
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
@@ -26,12 +26,20 @@ from rclpy.signals import SignalHandlerOptions
 
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
-from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.handler import Qos, RowService
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.middleware.joined_addresses import JoinedAddresses
-from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, NodeIdentity, NodeParameters
+from roverlink.runtime.middleware.protocol import (
+    Callback,
+    Endpoint,
+    Middleware,
+    NodeIdentity,
+    NodeParameters,
+    Respond,
+    ServiceClient,
+)
 from roverlink.runtime.middleware.rcl_loop import rcl_function
 from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.middleware.serving import has_ended
@@ -41,10 +49,12 @@ if TYPE_CHECKING:
     from roverlink.runtime.middleware.rclpy_actions import RclpyAction
     from roverlink.runtime.middleware.rclpy_receiving import Receiver, Subscribed
 
+T = TypeVar("T")
+
 # Names that the ROS 2 middlewares give to the node of an endpoint until they know it.
 _UNKNOWN_NODES = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
 _USE_SIM_TIME = "use_sim_time"  # which rclpy declares itself
-_ACTION_S = 60.0  # longest time in seconds for the executor to make the client of an action, far more than it takes
+_MAKING_S = 60.0  # longest time in seconds for the executor to make a client or a service, far more than it takes
 # Longest wait of the executor in seconds: a shutdown from outside can miss an executor that is just about to wait.
 _SPIN_S = 1.0
 _INFINITE_NS = 2**63 - 1  # RMW_DURATION_INFINITE
@@ -209,18 +219,36 @@ class RclpyMiddleware(Middleware):
         """Create a client of an action, by the class that rosidl generated and the action's fully qualified name."""
         from roverlink.runtime.middleware.rclpy_actions import RclpyAction
 
-        made: Future[RclpyAction] = Future()
+        return self._made(lambda: RclpyAction(self._node, self._executor, action_class, name))
 
-        def make() -> None:
+    def offer(self, name: str, service: RowService, answer: Callable[[bytes, Respond], None]) -> None:
+        """Offer a service with a fully qualified name; its type is that of the installed interface package."""
+        from roverlink.runtime.middleware.rclpy_services import offer
+
+        self._made(lambda: offer(self._node, self._executor, name, service, answer))
+
+    def client(self, name: str, service: RowService) -> ServiceClient:
+        """Create a client of the service with a fully qualified name."""
+        from roverlink.runtime.middleware.rclpy_services import RclpyClient
+
+        return self._made(lambda: RclpyClient(self._node, self._executor, name, service))
+
+    def _made(self, make: Callable[[], T]) -> T:
+        """Return what ``make`` returns on the thread of the executor.
+
+        rclpy 9.1 (Kilted) adds a client to the node before the client is complete. An executor that just then collects
+        what it waits for ends with an AttributeError, and nothing is ever sent.
+        """
+        made: Future[T] = Future()
+
+        def run() -> None:
             try:
-                made.set_result(RclpyAction(self._node, self._executor, action_class, name))
+                made.set_result(make())
             except Exception as error:  # noqa: BLE001  # it is raised by the thread that waits
                 made.set_exception(error)
 
-        # On the thread of the executor: rclpy 9.1 (Kilted) adds a client to the node before the client is complete. An
-        # executor that just then collects what it waits for ends with an AttributeError, and no goal is ever sent.
-        self._executor.create_task(make)
-        return made.result(_ACTION_S)
+        self._executor.create_task(run)
+        return made.result(_MAKING_S)
 
     def address_changes(self) -> str:
         """Return a text about addresses that have changed since the node joined ROS 2; empty if none have."""

@@ -5,13 +5,21 @@ The bridge uses the wrapper like any other middleware.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
-from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.handler import Qos, RowService
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.tap import Tap
-from roverlink.runtime.middleware.protocol import Callback, Endpoint, Middleware, Publisher, Subscription
+from roverlink.runtime.middleware.protocol import (
+    Callback,
+    Endpoint,
+    Middleware,
+    Publisher,
+    Respond,
+    ServiceClient,
+    Subscription,
+)
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
 from roverlink.runtime.native.lending import LentTopic, NativePublisher, NativeSubscription
@@ -65,6 +73,14 @@ class TappedMiddleware(Middleware):
 
         subscription = self._middleware.subscribe(topic, message_type, qos, tapped, priority, exact_depth)
         return _LentSubscription(subscription, tap) if isinstance(subscription, NativeSubscription) else subscription
+
+    def offer(self, name: str, service: RowService, answer: Callable[[bytes, Respond], None]) -> None:
+        """Offer a service through the wrapped middleware; the listener does not see what is asked."""
+        self._middleware.offer(name, service, answer)
+
+    def client(self, name: str, service: RowService) -> ServiceClient:
+        """Create a client of a service through the wrapped middleware."""
+        return self._middleware.client(name, service)
 
     def endpoints(self, topic: str, publishing: bool) -> Sequence[Endpoint]:
         """Return the publishers or the subscriptions of a topic that the wrapped middleware knows."""

@@ -17,6 +17,7 @@ from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.bridge.handling_times import Latencies
 from roverlink.runtime.bridge.link_exchange import EndReport
+from roverlink.runtime.core.errors import Reason
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.periodic_thread import PeriodicThread
 from roverlink.runtime.core.registry import EndName, Registry
@@ -132,12 +133,15 @@ class Monitor:
         # A peer that sends a payload of an outbound row does no harm to the row, so the row must not look broken.
         dropped = Counter({key: count for key, count in account.dropped_of_row.items() if key[0] not in self._outbound})
         dropped.update({(name, "refused"): count for name, count in account.refused.items()})
+        dropped.update({(name, "unanswered"): count for name, count in account.unanswered.items() if count})
         stops = Counter(account.stops)
         before = self._samples[-1] if self._samples else None
         if before is not None:
             self._last.update({name: now for name, count in crossed.items() if count != before.crossed[name]})
             self._last_stop.update({name: now for name, count in stops.items() if count != before.stops[name]})
-        lost = account.dropped + Counter({"refused": account.refused.total(), "not sent": account.unsent.total()})
+        others = {"refused": account.refused, "not sent": account.unsent, "unanswered": account.unanswered}
+        lost = account.dropped + Counter({reason: counter.total() for reason, counter in others.items()})
+        del lost[Reason.REPEATED.value]  # it has been handled when it came first
         lost[_KERNEL] = self._bridge.socket_state().drops  # the account reads it only when a datagram arrives
         self._samples.append(_Sample(now, crossed, dropped, stops, account.received, lost))
         # Keep one sample older than the window, so that rates cover the whole window.

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import doctest
+import math
 import sys
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from subprocess import PIPE, Popen
 
 import pytest
+from bridge_rig import Rig, listener, port_of
 from case_file import usual_table
 from needs import NO_OPENCV, needs_dds
 from page import ROOT, blocks
@@ -16,7 +19,9 @@ from polling import PATIENCE_S, wait_until
 from repeating import repeated
 
 from generated.registry import REGISTRY
+from roverlink.__main__ import main
 from roverlink.generator.pipeline import compile_table
+from roverlink.runtime import load_registry
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
 _DOCS, _DOCS_OF_ROVERKIT = ROOT / "docs", ROOT / "rover" / "docs"
@@ -106,3 +111,39 @@ def test_the_files_of_the_page_about_cameras_are_read(tmp_path: Path) -> None:
     assert set(read_landmarks(tmp_path / "landmarks.yaml").places) == {7, "gate"}
     assert [board.name for board in read_boards(tmp_path / "boards.yaml")] == ["gate"]
     assert [camera.name for camera in read_cameras(tmp_path / "cameras.yaml")] == ["front", "left"]
+
+
+@pytest.mark.slow
+def test_the_request_of_the_page_is_answered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The table and the protos of the page make the service type beside them, and the client prints the response."""
+    shown = {block.language: block.text for block in blocks(_DOCS / "operations.md", "Requests that are answered")}
+    # A process can load two projects only if no .proto file has the same name.
+    envelope = "envelope: {file: on_the_page/envelope.proto, message: on_the_page.Envelope, oneof: payload}\n"
+    table = usual_table(f"{envelope}python: {{package: requests_of_the_page}}\n{shown['yaml']}")
+    for path, text in (("mapping.yaml", table), ("proto/rocks.proto", shown["proto"])):
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_text(text, encoding="utf-8")
+    assert main(["generate", "--table", str(tmp_path / "mapping.yaml")]) == 0
+    assert main(["explain", "grip", "--table", str(tmp_path / "mapping.yaml")]) == 0
+    told = capsys.readouterr().out
+    assert "request    answered by gripped, with the same order" in told
+    assert "request    service grip (rover/srv/Grip)" in told
+    written = (tmp_path / "requests_of_the_page/ros/rover/srv/Grip.srv").read_text(encoding="utf-8")
+    assert [line for line in written.splitlines() if line and line[0] != "#"] == shown["text"].splitlines()
+    with Rig(load_registry(tmp_path, "requests_of_the_page")) as rig:
+        asked, answer = rig.registry.by_name["measure"], rig.registry.by_name["measured"]
+        publisher = rig.node.publisher("/rock_measured", answer.message_type, answer.route.qos)
+
+        def measure(messages: Sequence[bytes]) -> None:
+            request = asked.from_cdr(messages[0])
+            length = math.hypot(request.x2 - request.x1, request.y2 - request.y1)
+            publisher.publish([answer.to_cdr(answer.payload_type(request_id=request.request_id, length_cm=length))])
+
+        rig.node.subscribe("/rock_measure", asked.message_type, asked.route.qos, measure)
+        with listener() as free:
+            port = port_of(free)
+        rig.live.change({rig.registry.peers_by_name["base"].port_parameter: port})
+        where = f'host="127.0.0.1", port={rig.bridge.port}, local_port={port}, registry=registry'
+        code = shown["python"].replace("generated.", "requests_of_the_page.").replace("host=host", where)
+        exec(code, {"registry": rig.registry})  # noqa: S102  # it stands on our own page
+    assert capsys.readouterr().out == "40.2 cm\n"

@@ -23,7 +23,7 @@ from roverlink.generator.rule_catalogue import rules
 # The examples of these are parts of larger projects, with a ledger, git's history, folders of components or an envelope
 # of another repository. Cases and tests of the lint show each of them at work.
 _OF_A_PAST = {"ENV102", "ENV103", "ENV107", "ENV110", "FIX103", "TAB106", "TAB107", "WIR111", "WIR112"}
-_OF_A_PAST |= {"TAB109", "TAB110", "TAB111", "TAB112", "TAB113"}
+_OF_A_PAST |= {"TAB109", "TAB110", "TAB111", "TAB112", "TAB113", "REQ105"}
 _OF_A_PAST |= {"HIS101", "HIS102", "HIS103", "HIS104", "HIS105", "PIN102"}
 _OF_A_LARGER_PROJECT = {"ENV105", "ENV106", "ENV108", "FIX101", "FIX102", "FIX104"}
 _OF_A_LARGER_PROJECT |= {"NAM101", "NAM102", "NAM103", "TAB105", "WIR113"}

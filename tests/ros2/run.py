@@ -80,7 +80,8 @@ def prepare(distribution: str) -> None:
     pins = [*products, HERE / "tools.txt", HERE / f"{distribution}.txt"]
     _once(folder / "installed", f"{sys.version} {_checksum(pins)}", lambda: _install(distribution, folder))
     folders = (COMMS, INTERFACES, TEMPLATE)
-    sources = _checksum(path for one in folders for path in one.rglob("*") if path.is_file())
+    made = [ROOT / "tests" / "asking.py", *(ROOT / "templates").glob("*.j2")]  # the package of the table with requests
+    sources = _checksum([*made, *(path for one in folders for path in one.rglob("*") if path.is_file())])
     _once(folder / "overlay" / "built", sources, lambda: _build(distribution, folder))
 
 
@@ -114,6 +115,9 @@ def _build(distribution: str, folder: Path) -> None:
     for stale in ("build", "overlay"):
         shutil.rmtree(folder / stale, ignore_errors=True)
     _build_package(COMMS, distribution, folder)
+    code = f"import asking, pathlib; asking.write_asking_project(pathlib.Path({str(folder / 'build' / 'asking')!r}))"
+    subprocess.run([folder / "bin" / "python", "-c", code], cwd=ROOT / "tests", check=True)
+    _build_package(folder / "build" / "asking" / "asking_rover" / "ros" / "asking_msgs", distribution, folder)
     for interfaces in sorted(INTERFACES.iterdir()):
         package = folder / "build" / "sources" / interfaces.name
         shutil.copytree(interfaces, package)

@@ -68,7 +68,14 @@ def test_the_account_as_plain_values() -> None:
     expected |= {"refused": {"arm_ctrl": 1}, "failed": {"drive_motor": 1}, "superseded": {"drive_motor": 1}}
     expected |= {"stops": {"drive_motor": 3}, "unsent": {"hardware": 1}, "unforwarded": {"basestation": 2}}
     expected |= {"link_events": {"basestation unreachable": 2, "hardware ArmBoard learned": 1}}
-    expected |= {"links_received": 0, "links_sent": {}, "other_schemas": {}, "clocks_ahead": {"ArmBoard": 3}}
+    expected |= {
+        "links_received": 0,
+        "links_sent": {},
+        "other_schemas": {},
+        "repeated": {},
+        "unanswered": {},
+        "clocks_ahead": {"ArmBoard": 3},
+    }
     expected |= {"extra_published": {"imu/mag": 4}, "extra_unpublished": {"gps/fix": 1}}
     expected |= {"standing": {"generated code": "it is old"}}
     expected |= {"by_payload": {"published": {"gps_info": 1, "imu_info": 4}, "sent": {"drive_motor": 2}}}

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
 import pytest
+from asking import asking_registry
 from needs import NO_DDS
 from polling import PATIENCE_S, wait_until
 
@@ -515,3 +516,40 @@ def test_a_request_that_cannot_be_read_is_ignored(client: _Client, caplog: pytes
     RawWriter(writer).write([bytes.fromhex("00010000") + bytes(16) + bytes.fromhex("01000000 02000000 ff00")])
     wait_until(lambda: "get_parameters ignored" in caplog.text, "the warning")
     assert client.call("get_parameters", rcl.GetParametersResponse, ["dst_ip"]).values == [_text("127.0.0.1")]
+
+
+def test_a_service_answers_later_and_each_client_gets_its_own(join: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A response comes from any thread, in any order, to the call that it belongs to; without a node, none is sent."""
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
+    service = asking_registry().by_name["grip"].route.request.service
+    asked: dict[float, Callable[[bytes], None]] = {}
+    clients = [join(name).client("/grip", service) for name in ("one", "other")]
+    heard: list[list[float]] = [[], []]
+
+    def call(index: int, force: float) -> bool:
+        def done(data: bytes) -> None:
+            heard[index].append(cdr.decode(service.response, data).force)
+
+        return bool(clients[index].call(cdr.encode(service.request(force=force)), done))
+
+    assert not call(0, 1.0)
+    join("server").offer(
+        "/grip", service, lambda data, respond: asked.update({cdr.decode(service.request, data).force: respond})
+    )
+    for index in (0, 1):
+        wait_until(lambda index=index: call(index, index), "the service")  # type: ignore[misc]
+        assert call(index, index + 2)
+    wait_until(lambda: len(asked) == 4, "four requests")
+    for force in (3.0, 0.0, 2.0, 1.0):
+        asked[force](cdr.encode(service.response(force=force * 10)))
+    wait_until(lambda: heard == [[0, 20], [30, 10]], f"the responses, but {heard}")
+
+
+def test_a_service_without_clients_that_get_a_response_is_not_offered(
+    join: Open, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Fast DDS clients would wait for ever, so there is a warning instead, with what to do."""
+    service = asking_registry().by_name["grip"].route.request.service
+    join("server").offer("/grip", service, lambda *_: None)
+    assert "the service /grip is not offered" in caplog.text
+    assert "use --middleware rclpy" in caplog.text

@@ -30,6 +30,8 @@ def emit(bridge: ir.Bridge) -> Files:
     folder = f"generated/ros/{bridge.package}"
     for message in bridge.messages:
         yield f"{folder}/msg/{message.name}.msg", _msg(bridge, message)
+    for service in bridge.services:
+        yield f"{folder}/srv/{service.type}.srv", _srv(bridge, service)
     names = sorted(message.name for message in bridge.messages)
     comment = header(bridge.table)
     # Packages whose messages are fields; rosidl needs them as DEPENDENCIES when it generates code.
@@ -39,6 +41,7 @@ def emit(bridge: ir.Bridge) -> Files:
         header=comment,
         package=bridge.package,
         messages=names,
+        services=[service.type for service in bridge.services],
         others=others,
         project="/".join([".."] * (2 + len(bridge.python_package.split(".")))),
     )
@@ -101,9 +104,18 @@ def _address_parameters(bridge: ir.Bridge) -> dict[str, tuple[str | int, str]]:
 
 
 def _msg(bridge: ir.Bridge, message: ir.RosMessage) -> str:
+    return _definition(message, header(f"{bridge.table} ({message.source})"))
+
+
+def _srv(bridge: ir.Bridge, service: ir.Service) -> str:
+    request = header(f"{bridge.table} ({service.request.source} and {service.response.source})")
+    return "---\n".join(map(_definition, (service.request, service.response), (request, "# The response.")))
+
+
+def _definition(message: ir.RosMessage, header: str) -> str:
     return render(
         "message.msg.j2",
-        header=header(f"{bridge.table} ({message.source})"),
+        header=header,
         comment=_comment(message.comment),
         enums=[
             (_heading(message, enum), [(constant, _comment(constant.comment)) for constant in constants])

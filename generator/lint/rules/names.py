@@ -323,14 +323,21 @@ class RosNameForbidden(LintRule, id="ROS101"):
                 help = f"use letters and digits, and start with a capital, for example {example}"
                 message = f"{row.ros!r} is not allowed as the name of a ROS message"
                 yield cls.of_row(table, row, row.ros_span, message, help)
-            for topic, span in (
-                (row.topic, row.at("topic")),
-                *((standard.topic, standard.at("topic")) for standard in row.also),
+            request = row.request
+            if (type := row.service_type) and request and not ros_names.is_message_name(type):
+                span = request.spans.get("srv", row.at("name"))
+                help = "give it another name with `srv`, for example MeasureRock"
+                yield cls.of_row(table, row, span, f"{type!r} is not allowed as the name of a service type", help)
+            service = [(request.service, request.at("service"), "service")] if request and request.service else []
+            for topic, span, kind in (
+                (row.topic, row.at("topic"), "topic"),
+                *((standard.topic, standard.at("topic"), "topic") for standard in row.also),
+                *service,
             ):
                 if not ros_names.is_topic_name(topic):
                     parts = "no part may start with a digit"
                     help = f"use letters, digits and underscores, separated by single slashes; {parts}"
-                    message = f"{topic!r} is not allowed as the name of a topic"
+                    message = f"{topic!r} is not allowed as the name of a {kind}"
                     yield cls.of_row(table, row, span, message, help)
 
 

@@ -64,25 +64,25 @@ class Answering:
             except ConversionError as error:
                 self._logger.warning("ignoring a request that cannot be read: %s", error)
                 continue
-            self._answer(line)
+            self._answer(line, data)
 
-    def _answer(self, line: Line) -> None:
-        """Measure, and publish the result; a failure is published as NaN, and its reason is logged."""
+    def _answer(self, line: Line, request: bytes) -> None:
+        """Measure a line, and publish the result; a failure is published as NaN, and its reason is logged."""
         try:
             image = self._camera.image()
             size = measure(image.depth, image.camera, line)
         except NoDepthError as error:
-            self._refuse(line, Unmeasurable.NO_IMAGE, error)
+            self._refuse(line, request, Unmeasurable.NO_IMAGE, error)
             return
         except UnmeasurableError as error:
-            self._refuse(line, error.reason, error)
+            self._refuse(line, request, error.reason, error)
             return
-        self._publish([self._rows.answer((size.length, size.width))])
+        self._publish([self._rows.answer((size.length, size.width), request)])
         self._logger.info("rock of %.1f x %.1f cm", 100 * size.length, 100 * size.width)
         self._print({"line": line, "stamp": image.stamp, **_as_dict(size)})
 
-    def _refuse(self, line: Line, reason: Unmeasurable, error: Exception) -> None:
-        self._publish([self._rows.answer(None)])
+    def _refuse(self, line: Line, request: bytes, reason: Unmeasurable, error: Exception) -> None:
+        self._publish([self._rows.answer(None, request)])
         self._logger.warning("no size of the rock (%s): %s", reason.value, error)
         self._print({"line": line, "reason": reason.value, "message": str(error)})
 

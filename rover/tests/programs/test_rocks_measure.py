@@ -7,15 +7,18 @@ import math
 import threading
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
+from linked import TABLE, write_project
 from needs import NO_OPENCV
 from node_in_memory import NodeInMemory
 from polling import wait_until
 
 from generated.messages import BasestationRockMeasureRequest, BasestationRockMeasureResult
 from generated.registry import REGISTRY
+from roverlink.runtime import load_registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import Middleware
 
@@ -133,3 +136,22 @@ def test_a_damaged_request_is_told() -> None:
         measuring = _Measuring(held)
         assert measuring.ignores(b"\0\1\0\0\1")
         assert measuring.log[-1].startswith("ignoring a request that cannot be read: ")
+
+
+def test_an_answer_repeats_the_number_of_its_request(tmp_path: Path) -> None:
+    """If the table makes the row a request with a correlation field, the result has the request's number."""
+    rows = """
+      - {number: 1, name: rock_measure_request, proto: rocky.Ask, topic: a, direction: base_to_ros,
+         request: {response: rock_measure_result, field: id}}
+      - {number: 2, name: rock_measure_result, proto: rocky.Told, topic: b, direction: ros_to_base}
+    """
+    table = TABLE[: TABLE.index("link: ")].replace("linked", "rocky") + f"messages:{rows}"
+    proto = """syntax = "proto3"; package rocky;
+    message Ask { uint32 x1 = 1; uint32 y1 = 2; uint32 x2 = 3; uint32 y2 = 4; uint32 id = 5; }
+    message Told { float length_cm = 1; float width_cm = 2; uint32 id = 3; }"""
+    registry = load_registry(write_project(tmp_path / "project", table, proto, "rocky"), "rocky_rover")
+    rocks, asked, told = RockRows(registry), *registry.handlers
+    request = asked.to_cdr(asked.payload_type(x2=9, id=7))
+    assert rocks.line(request) == (0, 0, 9, 0)
+    result = told.from_cdr(rocks.answer((0.5, 0.25), request))
+    assert (result.length_cm, result.width_cm, result.id) == (50, 25, 7)

@@ -12,6 +12,7 @@ from roverlink.generator.emit.targets.python import (
     messages,
     pb2,
     registry,
+    services,
     translations,
 )
 
@@ -21,5 +22,5 @@ def emit(bridge: ir.Bridge) -> Files:
 
     These are handlers, message classes, conversions, protoc's modules, the registry and its checks.
     """
-    for part in (conversions, extra_topics, handlers, interfaces, messages, pb2, registry, translations):
+    for part in (conversions, extra_topics, handlers, interfaces, messages, pb2, registry, services, translations):
         yield from part.emit(bridge)

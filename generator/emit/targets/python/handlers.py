@@ -28,6 +28,8 @@ def emit(bridge: ir.Bridge) -> Files:
 def _handler(bridge: ir.Bridge, route: ir.Route, conversion: ir.Conversion, converters: Converters) -> str:
     fields = field_expressions(conversion, converters.of, bridge.python_package, "")
     imports = {*fields.imports, *spelling.route_imports(route), ("roverlink.runtime.core.handler", "Handler")}
+    if route.request and (service := route.request.service):
+        imports |= {(f"{bridge.python_package}.services", part.name) for part in (service.request, service.response)}
     ros = f"{bridge.package}/msg/{conversion.ros}"
     return render(
         "handler.py.j2",

@@ -33,7 +33,7 @@ def emit(bridge: ir.Bridge) -> Files:
     """Yield a module for each message class, and the ``__init__.py`` of their package."""
     hashes = type_hashes(bridge)
     for message in bridge.messages:
-        text = _message(bridge, message, hashes[message.name])
+        text = message_file(bridge, message, f"{bridge.package}/msg/{message.name}", hashes[message.name])
         yield f"generated/messages/{spelling.message_module(message.name)}.py", text
     classes = {
         spelling.message_class(message.name): spelling.message_module(message.name) for message in bridge.messages
@@ -41,7 +41,11 @@ def emit(bridge: ir.Bridge) -> Files:
     yield package_file(bridge, "messages", f"Messages of the ROS 2 package {bridge.package}.", classes)
 
 
-def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
+def message_file(bridge: ir.Bridge, message: ir.RosMessage, ros: str, type_hash: str) -> str:
+    """Return the module with the class of a message, whose full name in ROS 2 is ``ros``.
+
+    ``type_hash`` is empty for a part of a service, which nothing compares by its hash.
+    """
     needed = {spelling.imported_annotation(field.type) for field in message.fields} - {None}
     imports: set[Import] = {("roverlink.runtime.core.messages", name) for name in ("Message", *needed) if name}
     local = _local_classes(bridge, message)
@@ -59,7 +63,7 @@ def _message(bridge: ir.Bridge, message: ir.RosMessage, type_hash: str) -> str:
         about=spelling.documented(message.comment, f"Made from {message.source}."),
         suppression=spelling.class_suppression(name, message.name),
         name=name,
-        ros=f"{bridge.package}/msg/{message.name}",
+        ros=ros,
         type_hash=type_hash,
         constants_by_field=[
             (" and ".join(field.name for field in message.fields if field.enum == enum), list(constants))

@@ -27,7 +27,18 @@ _ANNOTATIONS = {
 }
 _DEFAULTS = {"bool": "False", "float32": "0.0", "float64": "0.0"}
 _TAKEN_CLASSES = frozenset(
-    {*_ANNOTATIONS.values(), "ClassVar", "Duration", "Handler", "Message", "Qos", "Route", "Time"}
+    {
+        *_ANNOTATIONS.values(),
+        "ClassVar",
+        "Duration",
+        "Handler",
+        "Message",
+        "Qos",
+        "Route",
+        "RowRequest",
+        "RowService",
+        "Time",
+    }
 )
 RUNTIME_MODULES = frozenset(
     {"cdr", "depth", "duration", "json_list", "json_struct", "json_value", "oneof", "timestamp"}
@@ -54,6 +65,10 @@ def route_imports(route: ir.Route) -> Iterator[Import]:
     yield module, "Route"
     if route.deadman:
         yield module, "Deadman"
+    if route.request:
+        yield module, "RowRequest"
+        if route.request.service:
+            yield module, "RowService"
     if route.qos != ir.Qos():
         yield module, "Qos"
 
@@ -68,10 +83,12 @@ def documented(comment: str, summary: str) -> str:
 
 
 def class_suppression(name: str, ros: str) -> str:
-    """Return the comment that lets ruff accept a class name that ends with an underscore (N801).
+    """Return the comment that lets ruff accept a class name with an underscore (N801).
 
-    Return an empty text if ``name`` is the name of the ROS message, ``ros``.
+    Return an empty text if ``name`` is the name of the ROS message, ``ros``, and this name has no underscore.
     """
+    if "_" in ros:
+        return "  # noqa: N801  # as rosidl names it"
     return "" if name == ros else "  # noqa: N801  # the name without underscore is used here"
 
 
@@ -90,6 +107,11 @@ def message_class(message: str) -> str:
 def message_module(message: str) -> str:
     """Return the name of the module with a ROS message's class: ``bounding_box`` for ``BoundingBox``."""
     return module(ros_names.snake_case(message))
+
+
+def service_module(part: ir.RosMessage) -> str:
+    """Return the name of the module with the class of a service's request or response: ``measure_rock_request``."""
+    return "_".join(map(ros_names.snake_case, part.name.split("_")))
 
 
 def conversion_module(message: str) -> str:
