@@ -20,6 +20,8 @@ class Undelivered(str, Enum):
     """Too many datagrams waited for the line."""
     NOT_CONNECTED = "not_connected"
     """There is no connection to the end."""
+    STOPPED = "stopped"
+    """The program stopped before the line was free."""
     TOO_LARGE = "too_large"
     """The transport cannot carry so many bytes."""
 
@@ -47,6 +49,11 @@ class Outbox:
                 return datagram
             self.undelivered[Undelivered.STALE.value] += 1
         return None
+
+    def discard(self) -> None:
+        """Discard what waits, because the program stops."""
+        self.undelivered[Undelivered.STOPPED.value] += len(self._waiting)
+        self._waiting.clear()
 
     @property
     def next_due(self) -> float:
