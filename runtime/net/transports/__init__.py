@@ -55,9 +55,12 @@ class Transport(Protocol):
 def transport_at(host: str) -> Transport:
     """Return the transport of a host for which `names_transport` is true.
 
-    Raises `ValueError` if the address is wrong, and `SetupError` if a package for this transport is not installed.
+    Raises `SetupError` if the address is wrong, or if a package for this transport is not installed.
     """
-    address = transport_address(host)
+    try:
+        address = transport_address(host)
+    except ValueError as error:
+        raise SetupError(f"{host!r}: {error}") from error
     # A bridge without serial lines must not need pyserial.
     if address.kind == "serial":
         from roverlink.runtime.net.transports.serial import SerialTransport
