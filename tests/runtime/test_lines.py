@@ -308,9 +308,9 @@ def test_both_clients_speak_over_a_line(free_port: int) -> None:
     """They send and receive payloads as over UDP; a client without a connection says so when it sends."""
     imu, command = (QUIET.by_name[name].payload_type for name in ("imu_info", "drive_motor"))
     line = f"tcp:127.0.0.1:{free_port}"
-    with BlockingPeer.open("hardware", registry=QUIET, host=line) as lonely:
-        with pytest.raises(OSError, match="Connection refused"):
-            lonely.send(imu())
+    lonely = BlockingPeer.open("hardware", registry=QUIET, host=line)
+    with lonely, pytest.raises(OSError, match="Connection refused"):
+        lonely.send(imu())
 
     async def speak(rig: Rig) -> None:
         async with Peer.open("hardware", registry=QUIET, host=line) as peer:
