@@ -18,7 +18,7 @@ from collections.abc import Callable
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.hosts import SocketAddress
 from roverlink.runtime.net.outbox import Outbox, Undelivered
-from roverlink.runtime.net.transports import Connection, Transport
+from roverlink.runtime.net.transports import Connection, NotTakenError, Transport
 
 _BUFFER = 1024 * 1024  # bytes that the program may send while the line is busy
 _WAIT_S = 0.2
@@ -197,6 +197,8 @@ class Carrier:
                 return
             try:
                 connection.send(sealed)
+            except NotTakenError:
+                self._outbox.undelivered[Undelivered.NOT_TAKEN.value] += 1
             except OSError as error:
                 self._broken = error  # the other thread connects again
                 raise
