@@ -82,14 +82,14 @@ def transport_address(host: str) -> TransportAddress:
     options = dict(parse_qsl(query, keep_blank_values=True))
     port = place.rpartition(":")[2] if word == "tcp" else "1"
     if not re.fullmatch(kind.place, place) or bool(mark) != bool(options) or not 0 < int(port) < 65_536:
-        raise ValueError(f"{host!r} is not an address such as {kind.example}")
+        raise ValueError(f"write an address such as {kind.example}")
     for name, value in options.items():
         if name not in kind.options:
-            raise ValueError(f"{host!r}: {word} has no option {name!r}; {nearest(name, kind.options)}")
+            raise ValueError(f"{word} has no option {name!r}; {nearest(name, kind.options)}")
         if not re.fullmatch(kind.options[name], value):
-            raise ValueError(f"{host!r}: {value!r} is no value of the option {name!r}; write {kind.example}")
+            raise ValueError(f"{value!r} is no value of the option {name!r}; write an address such as {kind.example}")
     if missing := [name for name in kind.required if name not in options]:
-        raise ValueError(f"{host!r} lacks the option {missing[0]!r}; write {kind.example}")
+        raise ValueError(f"it lacks the option {missing[0]!r}; write an address such as {kind.example}")
     if word == "can" and can_id(options["send"]) == can_id(options["receive"]):
-        raise ValueError(f"{host!r}: each direction needs an identifier of its own; write {kind.example}")
+        raise ValueError(f"each direction needs an identifier of its own; write an address such as {kind.example}")
     return TransportAddress(word, place, options)

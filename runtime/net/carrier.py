@@ -13,6 +13,7 @@ import select
 import socket
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable
 
 from roverlink.runtime.net import udp
@@ -64,19 +65,24 @@ class Outgoing:
                 wait = self._outbox.next_due - time.monotonic()
                 poll.poll(None if wait == math.inf else max(0, math.ceil(wait * 1000)))
                 self._send_due()
+            self._take_in(time.monotonic())
+            self._outbox.discard()
 
     def _send_due(self) -> None:
         while (now := time.monotonic()) < self._deadline:
             # What has arrived meanwhile comes first into the outbox, which decides what goes next.
-            while datagrams := self._read():
-                for datagram in datagrams:
-                    self._outbox.put(datagram, now)
+            self._take_in(now)
             if (due := self._outbox.take(now)) is None:
                 return
             try:
                 self._send(due)
             except OSError:
                 self._outbox.undelivered[Undelivered.NOT_CONNECTED.value] += 1
+
+    def _take_in(self, now: float) -> None:
+        while datagrams := self._read():
+            for datagram in datagrams:
+                self._outbox.put(datagram, now)
 
 
 class Carrier:
@@ -105,7 +111,7 @@ class Carrier:
         self._line = threading.Lock()  # nobody closes a connection while the other thread sends over it
         self._broken: OSError | None = None
         self._closed = False
-        self._refused = 0
+        self._refused = self._lost = 0
         self.why: str | None = "not connected yet"
         """Reason why there is no connection; None if there is one."""
 
@@ -127,12 +133,10 @@ class Carrier:
         return self._refused + (connection.refused if connection is not None else 0)
 
     @property
-    def undelivered(self) -> dict[str, int]:
+    def undelivered(self) -> Counter[str]:
         """Datagrams of the program that were not sent over the line, by reason (`Undelivered`)."""
-        counts = dict(self._outbox.undelivered)
-        if lost := udp.kernel_drops(self._socket):
-            counts[Undelivered.OVERFLOW.value] = counts.get(Undelivered.OVERFLOW.value, 0) + lost
-        return counts
+        lost = max(self._lost, udp.kernel_drops(self._socket))  # 0 for a socket that is closed
+        return self._outbox.undelivered + Counter({Undelivered.OVERFLOW.value: lost})
 
     def start(self) -> None:
         """Start to connect."""
@@ -145,6 +149,7 @@ class Carrier:
         self._closed = True
         self._incoming.join(2 * _WAIT_S)  # nobody has to wait for an attempt to connect
         self._transport.close()
+        self._lost = udp.kernel_drops(self._socket)
         self._socket.close()
 
     def _run(self) -> None:

@@ -22,6 +22,8 @@ class Undelivered(str, Enum):
     """There is no connection to the end."""
     NOT_TAKEN = "not_taken"
     """The end did not take it, as a board on a CAN bus that is switched off."""
+    STOPPED = "stopped"
+    """The program stopped before the line was free."""
     TOO_LARGE = "too_large"
     """The transport cannot carry so many bytes."""
 
@@ -49,6 +51,11 @@ class Outbox:
                 return datagram
             self.undelivered[Undelivered.STALE.value] += 1
         return None
+
+    def discard(self) -> None:
+        """Discard what waits, because the program stops."""
+        self.undelivered[Undelivered.STOPPED.value] += len(self._waiting)
+        self._waiting.clear()
 
     @property
     def next_due(self) -> float:
