@@ -20,7 +20,7 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.hosts import SocketAddress
 from roverlink.runtime.net.outbox import Outbox, Undelivered
-from roverlink.runtime.net.transports import Connection, Transport, transport_at
+from roverlink.runtime.net.transports import Connection, NotTakenError, Transport, transport_at
 from roverlink.transport_addresses import names_transport
 
 _BUFFER = 1024 * 1024  # bytes that the program may send while the line is busy
@@ -211,6 +211,8 @@ class Carrier:
                 return
             try:
                 connection.send(sealed)
+            except NotTakenError:
+                self._outbox.undelivered[Undelivered.NOT_TAKEN.value] += 1
             except OSError as error:
                 self._broken = error  # the other thread connects again
                 raise

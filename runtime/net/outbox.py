@@ -20,6 +20,8 @@ class Undelivered(str, Enum):
     """Too many datagrams waited for the line."""
     NOT_CONNECTED = "not_connected"
     """There is no connection to the end."""
+    NOT_TAKEN = "not_taken"
+    """The end did not take it, as a board on a CAN bus that is switched off."""
     STOPPED = "stopped"
     """The program stopped before the line was free."""
     TOO_LARGE = "too_large"

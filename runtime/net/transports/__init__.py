@@ -7,8 +7,11 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from roverlink.runtime.core.errors import SetupError
 from roverlink.transport_addresses import transport_address
+
+
+class NotTakenError(OSError):
+    """An end has not taken a datagram. The line still works."""
 
 
 class Connection(Protocol):
@@ -27,7 +30,7 @@ class Connection(Protocol):
     def send(self, datagram: bytes) -> None:
         """Send a datagram, and return when the line has taken it: the next datagram would not wait long.
 
-        Raises `OSError` if the line is gone.
+        Raises `NotTakenError` if the end does not take it, and another `OSError` if the line is gone.
         """
 
     def close(self) -> None:
@@ -70,4 +73,6 @@ def transport_at(host: str) -> Transport:
         from roverlink.runtime.net.transports.tcp import TcpTransport
 
         return TcpTransport(host, address)
-    raise SetupError(f"{host!r}: CAN is not built in yet")
+    from roverlink.runtime.net.transports.can import CanTransport
+
+    return CanTransport(host, address)
