@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from roverlink.runtime.core.errors import SetupError
 from roverlink.transport_addresses import transport_address
 
 
