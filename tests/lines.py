@@ -50,6 +50,10 @@ class Cable:
         assert framed(decoded[:-2]) == frame + b"\0"
         return decoded[:-2]
 
+    def read(self, most: int) -> bytes:
+        """Bytes that the program has sent, at most so many; nothing if there are none."""
+        return os.read(self._board, most) if select.select([self._board], [], [], 0)[0] else b""
+
     def pull(self) -> None:
         """Pull the cable: the device file disappears."""
         self.path.unlink(missing_ok=True)

@@ -14,17 +14,20 @@ import socket
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
+from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.hosts import SocketAddress
 from roverlink.runtime.net.outbox import Outbox, Undelivered
-from roverlink.runtime.net.transports import Connection, NotTakenError, Transport
+from roverlink.runtime.net.transports import Connection, NotTakenError, Transport, transport_at
+from roverlink.transport_addresses import names_transport
 
 _BUFFER = 1024 * 1024  # bytes that the program may send while the line is busy
 _WAIT_S = 0.2
 """Longest wait in seconds for datagrams of the end, after which the thread looks whether it has to end."""
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.1, 2.0
+_LOOK_S = 0.01
 _DRAIN_S = 0.5
 """Longest time in seconds to send what waits when the carrier is closed, such as the stops."""
 _LOOPBACK = {socket.AF_INET: "127.0.0.1", socket.AF_INET6: "::1"}
@@ -143,6 +146,12 @@ class Carrier:
         self._incoming.start()
         self._outgoing.start()
 
+    def wait(self, seconds: float = _LONGEST_PAUSE_S) -> None:
+        """Wait until there is a connection, but not longer than a number of seconds."""
+        until = time.monotonic() + seconds
+        while self.why is not None and time.monotonic() < until:
+            time.sleep(_LOOK_S)
+
     def close(self) -> None:
         """Send what waits, and close the line."""
         self._outgoing.close()
@@ -207,6 +216,30 @@ class Carrier:
             except OSError as error:
                 self._broken = error  # the other thread connects again
                 raise
+
+
+@contextlib.contextmanager
+def way_to(text: str, lost: Callable[[Counter[str]], None]) -> Iterator[tuple[str, int]]:
+    """Yield the IP address and port to which datagrams for ``text`` go: ``HOST:PORT``, or the address of a line.
+
+    At the end, ``lost`` gets the number of datagrams that were not sent over the line, by reason, if there are any.
+    Raises `SetupError` if the text has another form, or if there is no connection.
+    """
+    if not names_transport(text):
+        yield udp.destination_of(text)
+        return
+    with udp.bind(_LOOPBACK[socket.AF_INET], 0, _BUFFER) as sock:
+        carrier = Carrier(transport_at(text), sock)
+        carrier.start()
+        try:
+            carrier.wait()
+            if carrier.why is not None:
+                raise SetupError(f"no connection over {text}: {carrier.why}")
+            yield carrier.address[:2]
+        finally:
+            carrier.close()
+        if undelivered := +carrier.undelivered:
+            lost(undelivered)
 
 
 def _reachable(sock: socket.socket) -> SocketAddress:

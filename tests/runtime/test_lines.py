@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import io
 import itertools
 import socket
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,8 +21,11 @@ from polling import PATIENCE_S, wait_until
 
 from roverlink.runtime import Registry
 from roverlink.runtime.bridge.ends import LinkState
+from roverlink.runtime.client import BlockingPeer, Peer
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.registry import End, EndName
+from roverlink.runtime.net.carrier import Carrier
+from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.net.transports.framing import DelimitedReader, FrameReader, decode_frame, delimited, encode_frame
 from roverlink.runtime.text.host_names import hosts_in
 
@@ -287,3 +292,64 @@ def test_behind_a_connection_that_hangs_commands_get_lost_and_not_late() -> None
             assert account.sent["drive_motor"] > len(got) + account.undelivered.total()
             hanging.close()
             working.close()
+
+
+# --- programs at the other end ----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def free_port() -> int:
+    """A TCP port on which nobody listens."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return int(server.getsockname()[1])
+
+
+def test_both_clients_speak_over_a_line(free_port: int) -> None:
+    """They send and receive payloads as over UDP; a client without a connection says so when it sends."""
+    imu, command = (QUIET.by_name[name].payload_type for name in ("imu_info", "drive_motor"))
+    line = f"tcp:127.0.0.1:{free_port}"
+    lonely = BlockingPeer.open("hardware", registry=QUIET, host=line)
+    with lonely, pytest.raises(OSError, match="Connection refused"):
+        lonely.send(imu())
+
+    async def speak(rig: Rig) -> None:
+        async with Peer.open("hardware", registry=QUIET, host=line) as peer:
+            peer.send(imu(accel_z=2))
+            await asyncio.to_thread(_arrives, rig, "imu_data", 2)
+            await asyncio.to_thread(_is_connected, rig)
+            rig.publish("drive_motor", command(distance_to_go=2))
+            assert (await peer.receive(command)).distance_to_go == 2
+
+    with Rig(_on_line(f"{line}?listen")) as rig:
+        with BlockingPeer.open("hardware", registry=QUIET, host=line) as peer:
+            peer.send(imu(accel_z=1))
+            _arrives(rig, "imu_data", 1)
+            _is_connected(rig)
+            rig.publish("drive_motor", command(distance_to_go=1))
+            assert peer.receive(command, PATIENCE_S).distance_to_go == 1
+            assert peer.remote == line
+        asyncio.run(speak(rig))
+
+
+def test_a_flood_of_the_program_gets_what_the_line_carries(plugged: Cable) -> None:
+    """A line of 1 Mbaud: what waits too long is counted and not sent, the others keep their order, and none is lost."""
+    arrived, ended, reader = list[bytes](), threading.Event(), FrameReader(1000)
+
+    def read_at_1_mbaud() -> None:
+        while not ended.wait(0.005):
+            arrived.extend(reader.take(plugged.read(500)))
+
+    with listener() as program:
+        carrier = Carrier(transport_at(f"serial:{plugged.path}?baud=1000000"), program)
+        carrier.start()
+        carrier.wait(PATIENCE_S)
+        threading.Thread(target=read_at_1_mbaud).start()
+        for number in range(3000):
+            program.sendto(number.to_bytes(2, "big") * 200, carrier.address)
+        wait_until(lambda: len(arrived) + carrier.undelivered.total() == 3000, "all of them")
+        carrier.close()
+        ended.set()
+    assert arrived == sorted(arrived)
+    assert carrier.undelivered["stale"] > 0
+    assert carrier.undelivered.keys() <= {"stale", "overflow"}
+    assert reader.refused == 0

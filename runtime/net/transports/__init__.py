@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from roverlink.runtime.core.errors import SetupError
 from roverlink.transport_addresses import transport_address
 
 
@@ -58,10 +59,13 @@ class Transport(Protocol):
 def transport_at(host: str) -> Transport:
     """Return the transport of a host for which `names_transport` is true.
 
-    Raises `ValueError` if the address is wrong, and `SetupError` if a package for this transport is not installed.
+    Raises `SetupError` if the address is wrong, or if a package for this transport is not installed.
     """
-    address = transport_address(host)
-    # A bridge without serial lines must not need pyserial, and so on.
+    try:
+        address = transport_address(host)
+    except ValueError as error:
+        raise SetupError(f"{host!r}: {error}") from error
+    # A bridge without serial lines must not need pyserial.
     if address.kind == "serial":
         from roverlink.runtime.net.transports.serial import SerialTransport
 
