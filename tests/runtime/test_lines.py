@@ -93,7 +93,7 @@ def test_tcp_has_the_lengths_of_protobuf(sent: list[bytes], piece: int) -> None:
         ("serial:/dev/x?", "write an address"),
         ("tcp:10.0.0.7", "write an address such as tcp:10.0.0.7:7000"),
         ("tcp:10.0.0.7:0", "write an address"),
-        ("can:can0?send=1", "it lacks the option 'receive'"),
+        ("can:can0?send=0x1", "it lacks the option 'receive'"),
         ("serial:/dev/x,10.0.0.1", "cannot stand beside other hosts"),
     ],
 )

@@ -36,7 +36,7 @@ class CanTransport:
     largest = KINDS["can"].largest
 
     def __init__(self, name: str, address: TransportAddress) -> None:
-        """Raise `ValueError` if nobody knows the kind of bus, and `SetupError` if python-can is not installed."""
+        """Raise `SetupError` if nobody knows the kind of bus, or if python-can is not installed."""
         self.name = name
         options = address.options
         self._place, self._bus = address.place, options.get("bus", "socketcan")
