@@ -51,7 +51,7 @@ class CanTransport:
             try:
                 from roverlink.runtime.net.transports import can_bus  # here: the kernel's ISO-TP needs no package
             except ImportError as error:
-                command = "pip install 'python-can[serial]' can-isotp"
+                command = "pip install python-can pyserial can-isotp"
                 raise SetupError(f"CAN needs python-can and can-isotp; install them with `{command}`") from error
             can_bus.check_bus(name, self._bus)
 
