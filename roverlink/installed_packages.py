@@ -13,12 +13,15 @@ from pathlib import Path
 
 _PACKAGES = {
     **{name: name for name in ("argcomplete", "black", "jinja2", "mcap", "pyarrow", "rich", "rosbags")},
+    "can": "python-can",
     "foxglove": "foxglove-sdk",
     "google": "protobuf",
     "grpc_tools": "grpcio-tools",
+    "isotp": "can-isotp",
     "yaml": "pyyaml",
     "lz4": "mcap",
     "prometheus_client": "prometheus-client",
+    "serial": "pyserial",
     "zstandard": "mcap",
 }
 """Packages that roverlink imports, by the first part of a module's name."""
@@ -29,6 +32,8 @@ EXTRAS = {
     "pyarrow": "parquet",
     "rosbags": "standard",
     "nanopb": "nanopb",
+    "pyserial": "serial",
+    "python-can": "can",
 }
 """Extras of roverlink's package, by the package that each one installs."""
 

@@ -240,6 +240,8 @@ def _header(state: dict[str, Any], label: str, width: int) -> list[Text]:
         lines.append(Text(_plain(recording + node["recording"])))
     received = f"datagrams received: {node['received']} ({node['received_rate']:.1f}/s)"
     sent = f"forwarded: {_named(node, 'forwarded.')}; send errors: {_named(node, 'unsent.')}"
+    for text in ("undelivered", "damaged"):
+        sent += f"; {text}: {counts}" if (counts := _named(node, f"{text}.", none="")) else ""
     buffer = _share(node["socket_waiting_bytes"], node["socket_size_bytes"])
     p50, p99 = _microseconds(node.get("handling_p50_us")), _microseconds(node.get("handling_p99_us"))
     lines.append(Text(_plain(f"rows: {_levels(row['verdict'] for row in state['rows'])}; {received}")))

@@ -42,6 +42,10 @@ class Account:
     """Signed datagrams that were accepted more than a minute ahead of this computer's clock, by who signed them."""
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused to send, by peer."""
+    undelivered: Counter[tuple[str, str, str]] = field(default_factory=Counter)
+    """Datagrams that were sent to an end, but did not leave on its line, by peer, board and reason (`Undelivered`)."""
+    damaged: Counter[tuple[str, str]] = field(default_factory=Counter)
+    """Frames that were damaged on the line of an end, so that nothing was received, by peer and board."""
     unforwarded: Counter[str] = field(default_factory=Counter)
     """Datagrams not forwarded to a peer, by this peer: longer than its ``max_size``, or of another schema."""
     link_events: Counter[tuple[str, str, str]] = field(default_factory=Counter)
@@ -90,10 +94,10 @@ class Account:
             "unanswered": {name: count for name, count in sorted(self.unanswered.items()) if count},
             "clocks_ahead": dict(sorted(self.clocks_ahead.items())),
             "unsent": dict(sorted(self.unsent.items())),
+            "undelivered": by_end(self.undelivered),
+            "damaged": by_end(self.damaged),
             "unforwarded": dict(sorted(self.unforwarded.items())),
-            "link_events": {
-                " ".join(filter(None, key)): count for key, count in sorted(self.link_events.items()) if count
-            },
+            "link_events": by_end(self.link_events),
             "links_received": self.links_received,
             "links_sent": dict(sorted(self.links_sent.items())),
             "other_schemas": {end: list(rows) for end, rows in sorted(self.other_schemas.items())},
@@ -145,6 +149,11 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
         ("messages taken", account["taken"], "sent, refused, superseded and failed", account["sent"] + sum(ends)),
     ]
     return [f"{count} {what}, but {other} {ends}" for what, count, ends, other in sums if count != other]
+
+
+def by_end(counts: Mapping[Any, int]) -> dict[str, int]:
+    """Return counts by text, sorted, for counts by tuple: of a peer, a board (may be empty), and perhaps a reason."""
+    return {" ".join(filter(None, key)): count for key, count in sorted(counts.items()) if count}
 
 
 class ThrottledWarnings:

@@ -11,6 +11,7 @@ from socket import gethostname
 from typing import Any
 from uuid import uuid4
 
+from roverlink.runtime.bridge.account import by_end
 from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME, UNKNOWN, EndReport
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Qos
@@ -63,6 +64,8 @@ def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
         "received_rate": f"{state.received_rate:.2f}",
         **{f"forwarded.{peer}": count for peer, count in state.forwarded.items()},
         **{f"unsent.{peer}": count for peer, count in state.unsent.items()},
+        **{f"undelivered.{subject}": count for subject, count in by_end(state.undelivered).items()},
+        **{f"damaged.{end}": count for end, count in by_end(state.damaged).items()},
         **{f"clocks_ahead.{end}": count for end, count in state.clocks_ahead.items()},
         **{f"unforwarded.{peer}": count for peer, count in state.unforwarded.items()},
         **{f"dropped.{reason}": count for reason, count in state.dropped.items()},
@@ -110,6 +113,7 @@ def _end_status(node: str, state: EndState) -> DiagnosticStatus:
         **({"board": state.end.board} if state.end.board else {}),
         "address": ", ".join(state.addresses),
         "link": state.link,
+        **({"fault": state.fault} if state.fault else {}),
         "state": state.liveness.state,
         **({} if state.liveness.age is None else {"age": f"{state.liveness.age:.2f}"}),
     }

@@ -11,7 +11,7 @@ import math
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkState
@@ -139,7 +139,13 @@ class Monitor:
         if before is not None:
             self._last.update({name: now for name, count in crossed.items() if count != before.crossed[name]})
             self._last_stop.update({name: now for name, count in stops.items() if count != before.stops[name]})
-        others = {"refused": account.refused, "not sent": account.unsent, "unanswered": account.unanswered}
+        others: dict[str, Counter[Any]] = {
+            "refused": account.refused,
+            "not sent": account.unsent,
+            "unanswered": account.unanswered,
+            "not delivered": account.undelivered,
+            "damaged": account.damaged,
+        }
         lost = account.dropped + Counter({reason: counter.total() for reason, counter in others.items()})
         del lost[Reason.REPEATED.value]  # it has been handled when it came first
         lost[_KERNEL] = self._bridge.socket_state().drops  # the account reads it only when a datagram arrives
@@ -160,6 +166,8 @@ class Monitor:
             fingerprint=self._registry.fingerprint,
             rows=rows,
             ends=tuple(_ends(self._bridge.link_states(), rows)),
+            undelivered=dict(account.undelivered),
+            damaged=dict(account.damaged),
             unforwarded=dict(account.unforwarded),
             link_events=dict(account.link_events),
             received=last.received,
@@ -252,11 +260,12 @@ def _ends(links: Mapping[EndName, LinkState], rows: Sequence[RowState]) -> Itera
         liveness = liveness_of((row.age, row.expect_rate) for row in inbound)
         if link is None:  # a board that sends, but to which nothing goes
             link = LinkState((), "ok")
-        yield EndState(name, link.addresses, link.state, liveness, *_assess_end(link, liveness))
+        yield EndState(name, link.addresses, link.state, liveness, *_assess_end(link, liveness), link.fault)
 
 
 ADDRESS_PROBLEMS = {
     "unreachable": (Level.ERROR, "the network refuses datagrams to its address"),
+    "not_connected": (Level.ERROR, "there is no connection to it"),
     "not_resolved": (Level.WARN, "its host cannot be resolved"),
     "not_learned": (Level.WARN, "its address is not known before its first valid datagram"),
 }
@@ -265,6 +274,7 @@ ADDRESS_PROBLEMS = {
 
 def _assess_end(link: LinkState, liveness: Liveness) -> tuple[Level, str]:
     level, message = ADDRESS_PROBLEMS.get(link.state, (Level.OK, ""))
+    message = link.fault or message
     if liveness.state == "silent":
         silence = f"silent for {liveness.age:.1f} s"
         return max(level, Level.STALE), f"{silence}; {message}" if message else silence

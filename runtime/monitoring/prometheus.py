@@ -63,6 +63,13 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "forwarded_total", "Raw datagrams forwarded to a peer.", _by("peer", state.forwarded)
     yield "unsent_total", "Datagrams that the network refused to send.", _by("peer", state.unsent)
     yield "unforwarded_total", "Datagrams that were too long to be forwarded to a peer.", _by("peer", state.unforwarded)
+    yield "undelivered_total", "Datagrams to a peer or board that did not leave on its line.", [
+        ({"peer": peer, "board": board, "reason": reason}, count)
+        for (peer, board, reason), count in sorted(state.undelivered.items())
+    ]
+    yield "damaged_total", "Frames that were damaged on the line of a peer or board.", [
+        ({"peer": peer, "board": board}, count) for (peer, board), count in sorted(state.damaged.items())
+    ]
     ahead = "Signed datagrams that were accepted more than a minute ahead of this computer's clock."
     yield "clocks_ahead_total", ahead, _by("signer", state.clocks_ahead)
     yield "link_events_total", "Events of the addresses of peers and boards.", [

@@ -45,6 +45,8 @@ def _account() -> Account:
         clocks_ahead=Counter(ArmBoard=3),
         unsent=Counter(hardware=1),
         unforwarded=Counter(basestation=2),
+        undelivered=Counter({("hardware", "", "stale"): 4}),
+        damaged=Counter({("hardware", "ArmBoard"): 6}),
         link_events=Counter({("hardware", "ArmBoard", "learned"): 1, ("basestation", "", "unreachable"): 2}),
         taken=Counter(drive_motor=4, arm_ctrl=1),
         refused=Counter(arm_ctrl=1),
@@ -77,6 +79,7 @@ def test_the_account_as_plain_values() -> None:
         "clocks_ahead": {"ArmBoard": 3},
     }
     expected |= {"extra_published": {"imu/mag": 4}, "extra_unpublished": {"gps/fix": 1}}
+    expected |= {"undelivered": {"hardware stale": 4}, "damaged": {"hardware ArmBoard": 6}}
     expected |= {"standing": {"generated code": "it is old"}}
     expected |= {"by_payload": {"published": {"gps_info": 1, "imu_info": 4}, "sent": {"drive_motor": 2}}}
     assert values == expected
