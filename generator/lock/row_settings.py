@@ -17,8 +17,10 @@ from roverlink.generator.ir import Qos
 from roverlink.generator.table import Row, StandardTopicSettings, Table
 
 DEADMAN = ("deadman after", "deadman repeat", "deadman send")
-LIMITS = ("expect_rate", "max_rate", "priority")
+LIMITS = ("expect_rate", "max_rate", "priority", "at_least")
 AMOUNTS = (*DEADMAN[:2], *LIMITS)
+FORWARD = "forward "
+"""Start of the keys of a forward's limits: ``forward basestation max_rate``."""
 """Keys of settings that are numbers. The times have the unit ``ms``."""
 EXTRA_TOPIC = "also "
 """Start of the keys of an extra topic: ``also imu/data`` for its type, ``also imu/data qos`` for its QoS."""

@@ -49,11 +49,13 @@ def handler_class(route: ir.Route) -> str:
 
 
 def route_imports(route: ir.Route) -> Iterator[Import]:
-    """Yield the imports for the attribute ``route`` of a generated handler: `Route`, `Deadman`, `Qos`."""
+    """Yield the imports for the attribute ``route`` of a generated handler: `Route`, `Deadman`, `SendLimits`, `Qos`."""
     module = "roverlink.runtime.core.handler"
     yield module, "Route"
     if route.deadman:
         yield module, "Deadman"
+    if route.send or route.forward_limits:
+        yield module, "SendLimits"
     if route.qos != ir.Qos():
         yield module, "Qos"
 
