@@ -1,0 +1,79 @@
+"""Addresses of ends that have another transport than UDP. The table and the runtime have the same ones.
+
+The text of a host names the transport: ``serial:/dev/ttyACM0?baud=921600``, ``tcp:10.0.0.7:7000``,
+``tcp:0.0.0.0:7000?listen``, ``can:can0?send=0x101&receive=0x102``. A host without such a word is one of UDP.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import NamedTuple
+from urllib.parse import parse_qsl
+
+from roverlink.datagram_size import LARGEST_DATAGRAM
+from roverlink.suggestions import nearest
+
+
+class Kind(NamedTuple):
+    """Kind of transport: what its addresses may contain, and what it can carry."""
+
+    place: str
+    """Pattern of the text before the options."""
+    example: str
+    largest: int
+    """Largest datagram in bytes."""
+    options: Mapping[str, str] = {}
+    """Pattern of the value of each option; the value of a flag is empty."""
+    required: tuple[str, ...] = ()
+
+
+_NUMBER = r"[1-9]\d{0,7}"
+_CAN_ID = r"0[xX][0-9A-Fa-f]{1,8}|\d{1,9}"
+
+KINDS: Mapping[str, Kind] = {
+    "serial": Kind(r"[^,?\s]+", "serial:/dev/ttyACM0?baud=921600", 4096, {"baud": _NUMBER}),
+    "tcp": Kind(r"(\[[\w:.%]+\]|[\w.-]+):\d{1,5}", "tcp:10.0.0.7:7000", LARGEST_DATAGRAM, {"listen": ""}),
+    "can": Kind(
+        r"[^,?\s]+",
+        "can:can0?send=0x101&receive=0x102",
+        4095,
+        {"send": _CAN_ID, "receive": _CAN_ID, "fd": "[01]", "bus": r"\w+"},
+        ("send", "receive"),
+    ),
+}
+"""Kinds of transports besides UDP, by the word that begins their addresses."""
+
+
+class TransportAddress(NamedTuple):
+    """Address of an end that has another transport than UDP."""
+
+    kind: str
+    """Key of `KINDS`."""
+    place: str
+    """Path of a device, host and port, or name of an interface."""
+    options: Mapping[str, str]
+
+
+def names_transport(host: str) -> bool:
+    """Return true if a host is the address of another transport than UDP, right or wrong."""
+    kind, colon, _ = host.partition(":")
+    return bool(colon) and kind in KINDS
+
+
+def transport_address(host: str) -> TransportAddress:
+    """Return the parts of an address for which `names_transport` is true. Raises `ValueError` with the reason."""
+    word, _, rest = host.partition(":")
+    kind, (place, mark, query) = KINDS[word], rest.partition("?")
+    options = dict(parse_qsl(query, keep_blank_values=True))
+    port = place.rpartition(":")[2] if word == "tcp" else "1"
+    if not re.fullmatch(kind.place, place) or bool(mark) != bool(options) or not 0 < int(port) < 65_536:
+        raise ValueError(f"{host!r} is not an address such as {kind.example}")
+    for name, value in options.items():
+        if name not in kind.options:
+            raise ValueError(f"{host!r}: {word} has no option {name!r}; {nearest(name, kind.options)}")
+        if not re.fullmatch(kind.options[name], value):
+            raise ValueError(f"{host!r}: {value!r} is no value of the option {name!r}; write {kind.example}")
+    if missing := [name for name in kind.required if name not in options]:
+        raise ValueError(f"{host!r} lacks the option {missing[0]!r}; write {kind.example}")
+    return TransportAddress(word, place, options)
