@@ -77,7 +77,7 @@ class _Schemas:
         schema: dict[str, Any] = {"type": "array", "items": self.of(type.item)}
         if type.least:
             schema["minItems"] = type.least
-        if isinstance(type.item, Text) and type.unique:
+        if isinstance(type.item, (Text, AnyOf)) and type.unique:
             schema["uniqueItems"] = True
         return schema
 

@@ -22,6 +22,7 @@ from roverlink.generator.lock.ledger_text import render, render_accepted, schema
 from roverlink.generator.lock.row_settings import (
     DEADMAN,
     EXTRA_TOPIC,
+    FORWARD,
     LIMITS,
     RowSettings,
     Setting,
@@ -34,6 +35,7 @@ __all__ = [
     "ACCEPTED_NAME",
     "DEADMAN",
     "EXTRA_TOPIC",
+    "FORWARD",
     "LIMITS",
     "NAME",
     "Burned",

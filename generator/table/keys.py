@@ -20,7 +20,7 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 from roverlink.datagram_size import LARGEST_DATAGRAM
 from roverlink.generator.diagnostics import Span
 from roverlink.generator.ir import LINK_MEMBER, LINK_MESSAGE
-from roverlink.generator.ir.model import End, SendLimits, Qos
+from roverlink.generator.ir.model import End, Qos, SendLimits
 from roverlink.generator.ir.protobuf_facts import LARGEST_FIELD_NUMBER
 from roverlink.generator.ir.ros_names import snake_case
 from roverlink.generator.table.parts import NAME, NOT_EMPTY, Form, Part, build, object_of
@@ -407,8 +407,8 @@ class PeerSettings(EndSettings):
     budget: Annotated[
         Budget | None,
         Meaning(
-            "Most data that the bridge sends to this peer in a second: all datagrams with their UDP and IP headers, which "
-            "have 28 bytes (IPv4) or 48 bytes (IPv6). If more is to be sent, the rows with the largest `priority` go "
+            "Most data that the bridge sends to this peer in a second: all datagrams with their UDP and IP headers, "
+            "which have 28 bytes (IPv4) or 48 bytes (IPv6). If more is to be sent, rows with a larger `priority` go "
             "first, and the oldest datagrams of the lowest priority are dropped and counted.",
             default="no limit",
             see="basestation.md#a-slow-radio",
@@ -531,8 +531,8 @@ class SendSettings(Part):
     at_least_ms: Annotated[
         SilenceMs | None,
         Meaning(
-            "Longest time in which nothing is sent, such as `1s`. Then the last message is sent again, also if no new one "
-            "comes.",
+            "Longest time in which nothing is sent, such as `1s`. Then the last message is sent again, also if no new "
+            "one comes.",
             key="at_least",
         ),
     ] = None
@@ -705,8 +705,8 @@ class Row(StandardTopicSettings):
     forwards: Annotated[
         tuple[Annotated[Form, _FORWARD], ...],
         Meaning(
-            "Other peers that also get the envelope: names, or mappings that limit what a peer gets. Only for rows from a "
-            "peer.",
+            "Other peers that also get the envelope: names, or mappings that limit what a peer gets. Only for rows "
+            "from a peer.",
             see="basestation.md#a-slow-radio",
             key="forward",
         ),
@@ -777,9 +777,11 @@ class Row(StandardTopicSettings):
     def forward_settings(self) -> tuple[ForwardSettings, ...]:
         """Settings of each peer under `forward`."""
         return tuple(
-            build(ForwardSettings, form)
-            if form.entries is not None
-            else ForwardSettings(span=form.span, spans={"peer": form.span}, peer=str(form.value))
+            (
+                build(ForwardSettings, form)
+                if form.entries is not None
+                else ForwardSettings(span=form.span, spans={"peer": form.span}, peer=str(form.value))
+            )
             for form in self.forwards
         )
 

@@ -81,7 +81,11 @@ class DataRate:
     def read(self, text: str) -> int | None:
         """Return the text of a rate in bytes a second; None if it is not a rate of whole bytes, or is out of range."""
         found = re.fullmatch(self.pattern, text)
-        bits = int(found[1]) * {"": 1, "k": 1_000, "M": 1_000_000}[found[2]] * (8 if found[3] == "B" else 1) if found else 0
+        bits = (
+            int(found[1]) * {"": 1, "k": 1_000, "M": 1_000_000}[found[2]] * (8 if found[3] == "B" else 1)
+            if found
+            else 0
+        )
         return bits // 8 if bits % 8 == 0 and self.minimum <= bits // 8 <= self.maximum else None
 
 

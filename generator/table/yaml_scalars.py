@@ -180,7 +180,9 @@ class ScalarReader:
         if rate is None:
             allowed = f"from {type.minimum // 1000} kB/s to {type.maximum // 1_000_000} MB/s"
             help = "write a whole number with its unit, such as 200 kB/s or 2 Mbit/s"
-            self.findings.append(BadValue.at(self.span(node), f"{subject} is {node.value!r}; it must be {allowed}", help))
+            self.findings.append(
+                BadValue.at(self.span(node), f"{subject} is {node.value!r}; it must be {allowed}", help)
+            )
         return rate
 
     def _as_written(self, node: ScalarNode, subject: str) -> str | None:

@@ -44,6 +44,20 @@ class Account:
     """Datagrams that the network refused to send, by peer."""
     unforwarded: Counter[str] = field(default_factory=Counter)
     """Datagrams not forwarded to a peer, by this peer: longer than its ``max_size``, or of another schema."""
+    undelivered: Counter[tuple[str, str, str]] = field(default_factory=Counter)
+    """Datagrams to a peer that count as sent or forwarded, but did not leave this computer.
+
+    By peer, payload (empty if it is unknown, or the link message) and reason (`Undelivered`).
+    """
+    withheld: Counter[tuple[str, str, str]] = field(default_factory=Counter)
+    """Datagrams that were not forwarded to a peer because of the limits under `forward`.
+
+    By peer, payload and reason: ``superseded`` (a newer one replaced it) or ``unchanged``.
+    """
+    repeated: Counter[str] = field(default_factory=Counter)
+    """Datagrams that were sent again because there was no new one (``at_least``), by payload."""
+    budget_bytes: Counter[str] = field(default_factory=Counter)
+    """Bytes sent to a peer with a ``budget``, with the headers of IP and UDP, by peer."""
     link_events: Counter[tuple[str, str, str]] = field(default_factory=Counter)
     """Events of the addresses of peers, by peer, board (empty for a whole peer) and event (`LinkEvent`)."""
     links_received: int = 0
@@ -58,6 +72,8 @@ class Account:
     """Messages of topics that could not be converted to a datagram, by payload."""
     superseded: Counter[str] = field(default_factory=Counter)
     """Messages of topics that a newer message replaced before they were sent (``max_rate``), by payload."""
+    unchanged: Counter[str] = field(default_factory=Counter)
+    """Messages of topics that were not sent because the last one had the same payload (``on_change``), by payload."""
     failed: Counter[str] = field(default_factory=Counter)
     """Messages of topics whose datagram the network refused, by payload."""
     stops: Counter[str] = field(default_factory=Counter)
@@ -80,14 +96,17 @@ class Account:
             "taken": self.taken.total(),
             "refused": dict(sorted(self.refused.items())),
             "superseded": dict(sorted(self.superseded.items())),
+            "unchanged": dict(sorted(self.unchanged.items())),
             "failed": dict(sorted(self.failed.items())),
             "stops": dict(sorted(self.stops.items())),
             "clocks_ahead": dict(sorted(self.clocks_ahead.items())),
             "unsent": dict(sorted(self.unsent.items())),
             "unforwarded": dict(sorted(self.unforwarded.items())),
-            "link_events": {
-                " ".join(filter(None, key)): count for key, count in sorted(self.link_events.items()) if count
-            },
+            "undelivered": _joined(self.undelivered),
+            "withheld": _joined(self.withheld),
+            "repeated": dict(sorted(self.repeated.items())),
+            "budget_bytes": dict(sorted(self.budget_bytes.items())),
+            "link_events": _joined(self.link_events),
             "links_received": self.links_received,
             "links_sent": dict(sorted(self.links_sent.items())),
             "other_schemas": {end: list(rows) for end, rows in sorted(self.other_schemas.items())},
@@ -118,17 +137,21 @@ class Account:
         )
 
 
+def _joined(counts: Mapping[tuple[str, str, str], int]) -> dict[str, int]:
+    return {" ".join(filter(None, key)): count for key, count in sorted(counts.items()) if count}
+
+
 # Module function, not only a method: `simulate` checks the counters that another process printed as JSON.
 def discrepancies(account: Mapping[str, Any]) -> list[str]:
     """Return a text for each pair of sums of counters that should be equal but are not; an empty list if all agree.
 
     A text is ``10 datagrams received, but 9 published and dropped``. ``account`` is a result of `Account.as_dict`.
     Every datagram received must have been published, dropped for a reason, or a link message. Every message of a topic
-    must have been sent, refused, superseded, or failed in the network.
+    must have been sent, refused, superseded, unchanged, or failed in the network.
     """
     dropped = sum(account["dropped"].values())
     links = account["links_received"]
-    ends = [sum(account[name].values()) for name in ("refused", "superseded", "failed")]
+    ends = [sum(account[name].values()) for name in ("refused", "superseded", "unchanged", "failed")]
     sums = [
         (
             "datagrams received",
@@ -136,7 +159,12 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
             "published, dropped and link messages" if links else "published and dropped",
             account["published"] + dropped + links,
         ),
-        ("messages taken", account["taken"], "sent, refused, superseded and failed", account["sent"] + sum(ends)),
+        (
+            "messages taken",
+            account["taken"],
+            "sent, refused, superseded, unchanged and failed",
+            account["sent"] + sum(ends),
+        ),
     ]
     return [f"{count} {what}, but {other} {ends}" for what, count, ends, other in sums if count != other]
 
