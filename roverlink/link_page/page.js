@@ -408,7 +408,8 @@ function showPeers() {
     (made, peer) => {
       const [end, stop, rest, boards] = made.children;
       const unsent = peer.unsent ? `; ${peer.unsent} not sent` : "";
-      showEnd(end, peer, `${rateText(peer.rate_in)} in, ${rateText(peer.rate_out)} out${unsent}`);
+      const budget = peer.budget_text ? `; ${peer.budget_text}` : "";
+      showEnd(end, peer, `${rateText(peer.rate_in)} in, ${rateText(peer.rate_out)} out${unsent}${budget}`);
       setPart(stop, peer.stopping.length ? `■ told to stop: ${peer.stopping.join(", ")}` : "");
       setPart(rest, peer.resting.length ? `■ at rest, no command yet: ${peer.resting.join(", ")}` : "");
       boards.hidden = !peer.boards.length;
@@ -484,6 +485,9 @@ function showTotals() {
     ["dropped by the kernel", String(node.kernel_drops)],
     ["forwarded", namesOf(node, "forwarded.") || "–"],
     ["not sent", namesOf(node, "unsent.") || "–"],
+    ...["undelivered.", "withheld."]
+      .map((prefix, index) => [["not delivered", "kept back"][index], namesOf(node, prefix)])
+      .filter(([, names]) => names),
     ["receive buffer", node.socket_size_bytes ? `${Math.round((100 * node.socket_waiting_bytes) / node.socket_size_bytes)} % full` : "–"],
     ["handling, 99 %", node.handling_p99_us === undefined ? "–" : `under ${node.handling_p99_us} µs`],
   ];

@@ -6,6 +6,7 @@ An end is a peer or a board. Ends have a status only if the table has the link m
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Mapping
 from socket import gethostname
 from typing import Any
@@ -65,6 +66,10 @@ def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
         **{f"unsent.{peer}": count for peer, count in state.unsent.items()},
         **{f"clocks_ahead.{end}": count for end, count in state.clocks_ahead.items()},
         **{f"unforwarded.{peer}": count for peer, count in state.unforwarded.items()},
+        **{f"budget.{peer}": budget.limit for peer, budget in state.budgets.items()},
+        **{f"budget_used.{peer}": f"{budget.used:.0f}" for peer, budget in state.budgets.items()},
+        **{f"undelivered.{peer}.{why}": count for (peer, why), count in _by_peer(state.undelivered).items()},
+        **{f"withheld.{peer}.{why}": count for (peer, why), count in _by_peer(state.withheld).items()},
         **{f"dropped.{reason}": count for reason, count in state.dropped.items()},
         **{f"qos_mismatches.{topic}": count for topic, count in state.qos_mismatches.items()},
         "kernel_drops": state.kernel_drops,
@@ -82,6 +87,14 @@ def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
             "recording_lost": recording.lost,
         }
     return _status(state.level, state.node, state.message, "", values)
+
+
+def _by_peer(counts: Mapping[tuple[str, str, str], int]) -> Counter[tuple[str, str]]:
+    """Return counts by peer, payload and reason as counts by peer and reason."""
+    found: Counter[tuple[str, str]] = Counter()
+    for (peer, _, reason), count in sorted(counts.items()):
+        found[peer, reason] += count
+    return found
 
 
 def _row_status(node: str, row: RowState) -> DiagnosticStatus:

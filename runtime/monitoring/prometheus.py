@@ -63,6 +63,13 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "forwarded_total", "Raw datagrams forwarded to a peer.", _by("peer", state.forwarded)
     yield "unsent_total", "Datagrams that the network refused to send.", _by("peer", state.unsent)
     yield "unforwarded_total", "Datagrams that were too long to be forwarded to a peer.", _by("peer", state.unforwarded)
+    budgets = state.budgets.items()
+    yield "budget_bytes_per_second", "Budget of a peer.", [({"peer": name}, one.limit) for name, one in budgets]
+    sent = "Bytes sent to a peer with a budget, with the headers of IP and UDP."
+    yield "budget_sent_bytes_total", sent, [({"peer": name}, one.sent) for name, one in budgets]
+    undelivered = "Datagrams to a peer that did not leave this computer."
+    yield "undelivered_total", undelivered, _by_payload(state.undelivered)
+    yield "withheld_total", "Datagrams that limits of forwards kept from a peer.", _by_payload(state.withheld)
     ahead = "Signed datagrams that were accepted more than a minute ahead of this computer's clock."
     yield "clocks_ahead_total", ahead, _by("signer", state.clocks_ahead)
     yield "link_events_total", "Events of the addresses of peers and boards.", [
@@ -144,6 +151,10 @@ def _link_families(state: State) -> Iterator[tuple[str, str, Samples]]:
 
 def _by(label: str, counts: Mapping[str, int]) -> Samples:
     return [({label: name}, count) for name, count in sorted(counts.items())]
+
+
+def _by_payload(counts: Mapping[tuple[str, str, str], int]) -> Samples:
+    return [(dict(zip(("peer", "payload", "reason"), key)), count) for key, count in sorted(counts.items())]
 
 
 def _histogram(latencies: Latencies) -> HistogramMetricFamily:

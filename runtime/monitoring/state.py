@@ -73,6 +73,17 @@ class EndState:
 
 
 @dataclass(frozen=True)
+class Budget:
+    """Budget of a peer, in bytes a second with the headers of IP and UDP."""
+
+    limit: int
+    used: float
+    """Bytes sent a second, averaged over the last two seconds."""
+    sent: int
+    """Bytes sent since the start."""
+
+
+@dataclass(frozen=True)
 class Recording:
     """State of the recording that a bridge makes."""
 
@@ -119,6 +130,12 @@ class State:
     ends: tuple[EndState, ...] = ()
     unforwarded: Mapping[str, int] = field(default_factory=dict)
     """Datagrams that were too long to be forwarded to a peer, by this peer."""
+    budgets: Mapping[str, Budget] = field(default_factory=dict)
+    """Budget of each peer that has one."""
+    undelivered: Mapping[tuple[str, str, str], int] = field(default_factory=dict)
+    """Datagrams to a peer that did not leave this computer, by peer, payload (empty if unknown) and reason."""
+    withheld: Mapping[tuple[str, str, str], int] = field(default_factory=dict)
+    """Datagrams that limits of `forward` kept from a peer, by peer, payload and reason."""
     clocks_ahead: Mapping[str, int] = field(default_factory=dict)
     """Signed datagrams that were accepted more than a minute ahead of this computer's clock, by who signed them."""
     link_events: Mapping[tuple[str, str, str], int] = field(default_factory=dict)
