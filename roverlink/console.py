@@ -10,7 +10,7 @@ import logging
 import math
 import os
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -49,6 +49,12 @@ def print_error(message: str) -> None:
 def print_note(message: str) -> None:
     """Print a message for the user on standard error while a command runs."""
     print(message, file=sys.stderr, flush=True)
+
+
+def print_undelivered(counts: Mapping[str, int]) -> None:
+    """Print that datagrams were not sent over a line, with their numbers by reason."""
+    reasons = ", ".join(f"{reason} {count}" for reason, count in sorted(counts.items()))
+    print_note(f"{counted(sum(counts.values()), 'datagram')} did not leave over the line: {reasons}")
 
 
 def counted(count: int, what: str) -> str:
@@ -106,7 +112,10 @@ def add_destination(parser: argparse._ActionsContainer, what: str = "address of 
     from roverlink.runtime.ros_arguments.parameters import LISTEN_PORT  # here: few commands need the parameters
 
     parser.add_argument(
-        "--to", default=f"127.0.0.1:{LISTEN_PORT}", metavar="HOST:PORT", help=f"{what} (default: %(default)s)"
+        "--to",
+        default=f"127.0.0.1:{LISTEN_PORT}",
+        metavar="HOST:PORT",
+        help=f"{what}, or a line to it: serial:/dev/ttyACM0, tcp:10.0.0.5:7000 (default: %(default)s)",
     )
 
 

@@ -33,6 +33,7 @@ from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.native.core import NoCoreError, open_core
 from roverlink.runtime.net import hosts, udp
+from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.parameters import Parameters
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
@@ -170,6 +171,9 @@ def _hosts(registry: Registry, settings: Parameters) -> Iterator[CheckResult]:
         if named == (LEARN,):
             yield CheckResult("ok", parameter, f"the address of {what} is that of its last valid datagram")
             continue
+        if settings.addresses[ends[0]].is_line:
+            yield _line(parameter, named[0], what)
+            continue
         for host in named:
             try:
                 found = hosts.look_up(host, settings.addresses[ends[0]].port)[0]
@@ -182,6 +186,21 @@ def _hosts(registry: Registry, settings: Parameters) -> Iterator[CheckResult]:
                 if len(found) != 2 and ":" not in settings.listen_address:
                     says = f"{what} has the IPv6 address {found[0]}, but listen_address receives only IPv4"
                     yield CheckResult("warning", parameter, says, "add --ros-args -p listen_address:=\"'::'\"")
+
+
+def _line(parameter: str, host: str, what: str) -> CheckResult:
+    """Connect once over the line of an end."""
+    transport = transport_at(host)
+    try:
+        transport.connect().close()
+    except OSError as error:
+        cure = f"connect it, or set another host with --ros-args -p {parameter}:=ADDRESS"
+        if isinstance(error, PermissionError):
+            cure = "sudo usermod -aG dialout $USER, then log in again"
+        return CheckResult("warning", parameter, f"{host}, the line of {what}: {error.strerror or error}", cure)
+    finally:
+        transport.close()
+    return CheckResult("ok", parameter, f"the line of {what} opens: {host}")
 
 
 def _buffer(got: int, wanted: int) -> CheckResult:

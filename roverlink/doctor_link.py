@@ -17,7 +17,9 @@ from roverlink.runtime.bridge.link_exchange import DIFFERS, UNKNOWN, EndReport, 
 from roverlink.runtime.core.handler import UNSTAMPED
 from roverlink.runtime.core.translator import Translator
 from roverlink.runtime.net import udp
+from roverlink.runtime.net.carrier import Carrier
 from roverlink.runtime.net.hosts import SocketAddress
+from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.ros_arguments.parameters import EndAddress, Parameters
 from roverlink.runtime.text.host_names import LEARN
 
@@ -45,10 +47,14 @@ def verdicts(
 
 
 def _reports(registry: Registry, hashes: Mapping[int, int], settings: Parameters) -> list[EndReport]:
-    with udp.bind(settings.listen_address, settings.listen_port, settings.receive_buffer) as sock:
+    with (
+        udp.bind(settings.listen_address, settings.listen_port, settings.receive_buffer) as sock,
+        contextlib.ExitStack() as stack,
+    ):
         # From this socket, because a peer may answer to the address from which a datagram came.
         sends = {
-            name: partial(_send, sock, [*_addresses(sock, address)]) for name, address in settings.addresses.items()
+            name: partial(_send, sock, [*_addresses(sock, address, stack)])
+            for name, address in settings.addresses.items()
         }
         quiet = ThrottledWarnings(logging.Logger("doctor", logging.CRITICAL))
         exchange = LinkExchange(registry, hashes, sends, lambda *_: None, "warn", Account(), quiet)
@@ -61,8 +67,17 @@ def _reports(registry: Registry, hashes: Mapping[int, int], settings: Parameters
         return exchange.reports()
 
 
-def _addresses(sock: socket.socket, end: EndAddress) -> Iterator[SocketAddress]:
-    """Yield the addresses of an end for a socket; none for a host that has to be learned, or that is not resolved."""
+def _addresses(sock: socket.socket, end: EndAddress, stack: contextlib.ExitStack) -> Iterator[SocketAddress]:
+    """Yield the addresses of an end for a socket; none for a host that has to be learned, or that is not resolved.
+
+    The line of an end is open as long as ``stack``.
+    """
+    if end.is_line:
+        carrier = Carrier(transport_at(*end.hosts), sock)
+        stack.callback(carrier.close)
+        carrier.start()
+        yield carrier.address
+        return
     for host in end.hosts if end.hosts != (LEARN,) else ():
         with contextlib.suppress(OSError, UnicodeError):  # another check reports it
             # A socket for IPv6 reaches an IPv4 address in the form ::ffff:10.0.0.7.

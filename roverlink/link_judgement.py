@@ -141,7 +141,7 @@ def _of_links(ends: Sequence[tuple[str, Mapping[str, Any]]]) -> Iterator[tuple[s
     for owner, end in ends:
         # An address that is not learned is no alarm, as no message yet is none.
         if end.get("link") != "not_learned" and (problem := ADDRESS_PROBLEMS.get(end.get("link", ""))):
-            text = f"{end['name']} gets no commands: {problem[1]}"
+            text = f"{end['name']} gets no commands: {end.get('fault', problem[1])}"
             advice = "Check the cable and the network interface, or set another address."
             yield f"link {owner}", Condition(problem[0].name, text, advice)
 
@@ -217,6 +217,7 @@ def peers_of(
             end = end_of.get((peer["name"], board))
             if end is not None and (not board or end.get("address") != peer.get("address")):
                 shown |= {"address": end.get("address", ""), "link": end["link"]}
+                shown |= {"fault": end["fault"]} if "fault" in end else {}
             report = report_of.get((peer["name"], board), {})
             shown |= {"report": report} if report else {}
             shown["differing"] = report["differing"].split(", ") if report.get("differing") else []

@@ -29,7 +29,7 @@ class Kind(NamedTuple):
 
 
 _NUMBER = r"[1-9]\d{0,7}"
-_CAN_ID = r"0[xX][0-9A-Fa-f]{1,8}|\d{1,9}"
+_CAN_ID = r"0[xX]([01][0-9A-Fa-f]{7}|[0-9A-Fa-f]{1,7})"  # not without 0x: CAN's tools write hexadecimal digits alone
 
 KINDS: Mapping[str, Kind] = {
     "serial": Kind(r"[^,?\s]+", "serial:/dev/ttyACM0?baud=921600", 4096, {"baud": _NUMBER}),
@@ -38,7 +38,7 @@ KINDS: Mapping[str, Kind] = {
         r"[^,?\s]+",
         "can:can0?send=0x101&receive=0x102",
         4095,
-        {"send": _CAN_ID, "receive": _CAN_ID, "fd": "[01]", "bus": r"\w+"},
+        {"send": _CAN_ID, "receive": _CAN_ID, "fd": "[01]", "bus": r"\w+", "bitrate": _NUMBER},
         ("send", "receive"),
     ),
 }
@@ -55,6 +55,20 @@ class TransportAddress(NamedTuple):
     options: Mapping[str, str]
 
 
+class CanId(NamedTuple):
+    """Identifier of frames on a CAN bus."""
+
+    number: int
+    is_extended: bool
+    """True if it has 29 bits, false if it has 11."""
+
+
+def can_id(text: str) -> CanId:
+    """Return the identifier that an option names: of 29 bits if it has eight digits, as in can-utils, or must have."""
+    number = int(text, 16)
+    return CanId(number, len(text) == len("0x00000101") or number > 0x7FF)
+
+
 def names_transport(host: str) -> bool:
     """Return true if a host is the address of another transport than UDP, right or wrong."""
     kind, colon, _ = host.partition(":")
@@ -68,12 +82,14 @@ def transport_address(host: str) -> TransportAddress:
     options = dict(parse_qsl(query, keep_blank_values=True))
     port = place.rpartition(":")[2] if word == "tcp" else "1"
     if not re.fullmatch(kind.place, place) or bool(mark) != bool(options) or not 0 < int(port) < 65_536:
-        raise ValueError(f"{host!r} is not an address such as {kind.example}")
+        raise ValueError(f"write an address such as {kind.example}")
     for name, value in options.items():
         if name not in kind.options:
-            raise ValueError(f"{host!r}: {word} has no option {name!r}; {nearest(name, kind.options)}")
+            raise ValueError(f"{word} has no option {name!r}; {nearest(name, kind.options)}")
         if not re.fullmatch(kind.options[name], value):
-            raise ValueError(f"{host!r}: {value!r} is no value of the option {name!r}; write {kind.example}")
+            raise ValueError(f"{value!r} is no value of the option {name!r}; write an address such as {kind.example}")
     if missing := [name for name in kind.required if name not in options]:
-        raise ValueError(f"{host!r} lacks the option {missing[0]!r}; write {kind.example}")
+        raise ValueError(f"it lacks the option {missing[0]!r}; write an address such as {kind.example}")
+    if word == "can" and can_id(options["send"]) == can_id(options["receive"]):
+        raise ValueError(f"each direction needs an identifier of its own; write an address such as {kind.example}")
     return TransportAddress(word, place, options)

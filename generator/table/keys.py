@@ -40,6 +40,7 @@ from roverlink.generator.table.value_types import (
     Scalar,
     Text,
 )
+from roverlink.transport_addresses import KINDS, names_transport, transport_address
 
 FORMAT_VERSION = 1
 USUAL_TARGETS = ("python", "ros2", "markdown")
@@ -68,10 +69,16 @@ def _network_fault(text: str) -> tuple[str, str]:
 
 
 def _host_fault(text: str) -> tuple[str, str]:
-    """Return the reason why ``text`` is neither an IP address nor the name of a host, and a help text.
+    """Return the reason why ``text`` is no IP address, name of a host, or address of a transport, and a help text.
 
     Both are empty if it is one of them. The runtime checks the node's parameters in the same way.
     """
+    if names_transport(text):
+        try:
+            transport_address(text)
+        except ValueError as error:
+            return "which is no address of a line", str(error)
+        return "", ""
     try:
         ip_address(text)
     except ValueError:
@@ -113,9 +120,9 @@ PeerName = Annotated[str, _PEER]
 ``ros`` and names with ``_to_`` are excluded, so that a direction such as ``a_to_ros`` has only one reading.
 """
 Address = Annotated[str, Text("address", r"[0-9A-Fa-f.:]+(/[0-9]{1,3})?", "10.0.0.0/24", fault=_network_fault)]
-_HOST = Text("host", r"[0-9A-Za-z_.:%-]+", "192.168.0.21", fault=_host_fault)
+_HOST = Text("host", rf"[0-9A-Za-z_.:%-]+|({'|'.join(KINDS)}):[^\s,]+", "192.168.0.21", fault=_host_fault)
 Hosts = Annotated[Form, AnyOf((_HOST, ListOf(_HOST, least=1)))]
-"""One host or several. A host is an IP address, a name, or ``learn``."""
+"""One host or several. A host is an IP address, a name, ``learn``, or the address of another transport than UDP."""
 BoardName = Annotated[str, Text("board name", r"[A-Za-z][A-Za-z0-9_]*", "ArmBoard")]
 Port = Annotated[int, Integer(1, 65_535)]
 PythonPackage = Annotated[str, Text("import name", _DOTTED, "my_rover.generated", fault=_import_fault)]
@@ -292,7 +299,8 @@ class EndSettings(Part):
         Meaning(
             "Default of the node's parameter `<peer>_host`: an IP address, a name, or a list of them, each of which "
             "gets all datagrams. `learn` is the source of the peer's last valid datagram. A multicast group is an "
-            "address as well.",
+            "address as well. A serial line or a TCP connection is one host: `serial:/dev/ttyACM0?baud=921600`, "
+            "`tcp:10.0.0.7:7000`, `tcp:0.0.0.0:7000?listen`.",
             default="the host in the parameter `dst_ip`",
             see="operations.md#addresses-of-peers-and-boards",
         ),

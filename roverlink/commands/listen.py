@@ -13,8 +13,10 @@ Example: roverlink listen --port 6001
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import select
+import socket
 import time
 from typing import Any
 
@@ -32,10 +34,13 @@ from roverlink.console import (
     seconds,
 )
 from roverlink.generated_code import load_project
-from roverlink.runtime import DatagramError, Registry, Translator
+from roverlink.runtime import DatagramError, Registry, SetupError, Translator
 from roverlink.runtime.core.envelope import payload_numbers, restore
 from roverlink.runtime.net import udp
+from roverlink.runtime.net.carrier import Carrier
+from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.text.values import payload_to_values
+from roverlink.transport_addresses import names_transport
 
 _RECEIVE_BUFFER = 1024 * 1024
 _EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # boards are other machines, so loopback is not enough
@@ -45,13 +50,12 @@ def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
     parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
-    parser.add_argument(
-        "--port", type=port, required=True, help="UDP port to listen on, such as that of a peer in mapping.yaml"
-    )
+    parser.add_argument("--port", type=port, help="UDP port to listen on, such as that of a peer in mapping.yaml")
     parser.add_argument(
         "--address",
         default=_EVERY_ADDRESS,
-        help="IPv4 address of this machine to listen on (default: all its addresses)",
+        help="IPv4 address of this machine to listen on (default: all its addresses), or a line, which needs no "
+        "--port: serial:/dev/ttyACM0, tcp:0.0.0.0:7000?listen",
     )
     parser.add_argument("--count", type=count, metavar="N", help="stop after N datagrams")
     parser.add_argument("--timeout", type=seconds, metavar="S", help="stop after S seconds, with exit code 1")
@@ -66,8 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
     registry = load_project(project_folder(arguments.project))
     translator = Translator(registry)
     seen = 0
-    with udp.bind(arguments.address, arguments.port, _RECEIVE_BUFFER) as sock:
-        print_note(f"listening on UDP port {sock.getsockname()[1]}")
+    with contextlib.ExitStack() as stack:
+        sock, source = _opened(arguments.address, arguments.port, stack)
         deadline = None if arguments.timeout is None else time.monotonic() + arguments.timeout
         while arguments.count is None or seen < arguments.count:
             wait = None if deadline is None else max(0.0, deadline - time.monotonic())
@@ -75,9 +79,26 @@ def run(arguments: argparse.Namespace) -> int:
                 print_note(f"stopped after {arguments.timeout} s: only {counted(seen, 'datagram')} came")
                 return FINDINGS
             datagram, (host, port) = sock.recvfrom(udp.LARGEST)
-            print(json.dumps({"from": f"{host}:{port}", **_line(registry, translator, datagram)}), flush=True)
+            print(json.dumps({"from": source or f"{host}:{port}", **_line(registry, translator, datagram)}), flush=True)
             seen += 1
     return OK
+
+
+def _opened(address: str, port: int | None, stack: contextlib.ExitStack) -> tuple[socket.socket, str]:
+    """Return the socket at which datagrams arrive, and the line over which they come; empty if there is none."""
+    if names_transport(address):
+        sock = stack.enter_context(udp.bind("127.0.0.1", 0, _RECEIVE_BUFFER))
+        carrier = Carrier(
+            transport_at(address), sock, lambda why: print_note(f"{address}: {why or 'there is a connection'}")
+        )
+        stack.callback(carrier.close)
+        carrier.start()
+        return sock, address
+    if port is None:
+        raise SetupError("give the UDP port with --port, or a line with --address, such as serial:/dev/ttyACM0")
+    sock = stack.enter_context(udp.bind(address, port, _RECEIVE_BUFFER))
+    print_note(f"listening on UDP port {sock.getsockname()[1]}")
+    return sock, ""
 
 
 def _line(registry: Registry, translator: Translator, datagram: bytes) -> dict[str, Any]:

@@ -32,6 +32,7 @@ from roverlink.runtime.core.errors import nearest
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.net import udp
 from roverlink.runtime.text.assignments import payload_from_assignments
+from roverlink.transport_addresses import names_transport
 
 
 def add(commands: Subparsers) -> None:
@@ -70,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         datagram = registry.datagram(handler.route.name, payload)
     except ConversionError as error:
         raise SetupError(f"cannot send {error}") from error
-    host, port = udp.destination_of(arguments.to)
+    host, port = (arguments.to, 0) if names_transport(arguments.to) else udp.destination_of(arguments.to)
     # Payloads of the other direction can be sent too, to test what the bridge does with them.
     name, keys = handler.route.peer, arguments.key_file
     with BlockingPeer.open(

@@ -45,13 +45,14 @@ from roverlink.console import (
     documented_command,
     isolate_ros,
     print_note,
+    print_undelivered,
     project_folder,
     rate,
     seconds,
 )
 from roverlink.generated_code import load_project
 from roverlink.runtime import Registry, SetupError, Translator
-from roverlink.runtime.net import udp
+from roverlink.runtime.net.carrier import way_to
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.simulation.bridge_host import MIDDLEWARES, BridgeHost, bridge_with
 from roverlink.simulation.peers import Arrivals, Senders
@@ -59,6 +60,7 @@ from roverlink.simulation.run_account import RunTotals, predict, resident_bytes,
 from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
 from roverlink.simulation.simulated_keys import SimulatedKeys, make_throw_away_keys
 from roverlink.simulation.simulated_nodes import SimulatedNodes
+from roverlink.suggestions import nearest
 
 _LOG_LEVEL = "error"  # its warnings repeat the counters of the final report
 RATE_OF_A_ROW_HZ = 20.0
@@ -77,6 +79,11 @@ def add(commands: Subparsers) -> None:
         commands, __name__, __doc__, "".join(f"\n  {name:<12}{_summary(name)}" for name in SCENARIOS)
     )
     add_project(parser)
+    parser.add_argument(
+        "--peer",
+        metavar="NAME",
+        help="simulate only this peer of the table, such as the one at the end of a serial line (default: all peers)",
+    )
     target = parser.add_mutually_exclusive_group()
     add_destination(target)
     target.add_argument(
@@ -126,7 +133,7 @@ def _summary(name: str) -> str:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate the peers. With ``--bridge``, the exit code is 1 if the bridge's counts do not add up."""
-    registry = load_project(project_folder(arguments.project))
+    registry = _with_rows_of(arguments.peer, load_project(project_folder(arguments.project)))
     longest = parameters.defaults(registry)["max_datagram"]
     hertz = arguments.rate or RATE_OF_A_ROW_HZ * sum(handler.route.inbound for handler in registry.handlers)
     with contextlib.ExitStack() as stack:
@@ -147,6 +154,14 @@ def run(arguments: argparse.Namespace) -> int:
         return code
 
 
+def _with_rows_of(peer: str | None, registry: Registry) -> Registry:
+    if peer is None:
+        return registry
+    if peer not in registry.peers_by_name:
+        raise SetupError(f"unknown peer {peer!r}; {nearest(peer, registry.peers_by_name)}")
+    return dataclasses.replace(registry, handlers=tuple(one for one in registry.handlers if one.route.peer == peer))
+
+
 def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.ExitStack) -> Sequence[Path]:
     """Make keys for this run, if a peer must sign; return their files, which ``stack`` removes.
 
@@ -163,7 +178,11 @@ def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.E
 
 
 def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream, totals: RunTotals) -> int:
-    with Senders(*udp.destination_of(arguments.to)) as senders, contextlib.suppress(KeyboardInterrupt):
+    with (
+        way_to(arguments.to, print_undelivered) as bridge,
+        Senders(*bridge) as senders,
+        contextlib.suppress(KeyboardInterrupt),
+    ):
         for _ in _play(stream, arguments.seconds, senders, totals, world):
             pass
     if arguments.json:

@@ -390,6 +390,7 @@ setInterval(() => token && page?.sets_parameters && showParameters().catch(() =>
 const LINK_FAULTS = {
   not_resolved: "✕ host not resolved",
   not_learned: "address not learned yet",
+  not_connected: "✕ not connected",
   unreachable: "✕ unreachable",
 };
 const SCHEMA_TEXTS = { same: "✓ the same protos", differs: "≠ other protos", unknown: "no link message yet" };
@@ -435,8 +436,8 @@ function showEnd(made, end, rates) {
   const [name, shown, fault, facts, schema, statistics] = made.children;
   setText(name, end.name);
   showLevel(shown, end.state);
-  setClass(fault, `level ${end.link === "unreachable" ? "ERROR" : "WARN"}`);
-  setPart(fault, LINK_FAULTS[end.link] ?? "");
+  setClass(fault, `level ${["unreachable", "not_connected"].includes(end.link) ? "ERROR" : "WARN"}`);
+  setPart(fault, end.fault ? `✕ ${end.fault}` : (LINK_FAULTS[end.link] ?? ""));
   const heard = rates ? end.age !== null : end.state === "silent";
   setPart(facts, [heard ? `last message ${ageText(end.age)} ago` : "", rates, end.address].filter(Boolean).join("; "));
   const report = end.report;
@@ -485,12 +486,11 @@ function showTotals() {
     ["dropped by the kernel", String(node.kernel_drops)],
     ["forwarded", namesOf(node, "forwarded.") || "–"],
     ["not sent", namesOf(node, "unsent.") || "–"],
-    ...["undelivered.", "withheld."]
-      .map((prefix, index) => [["not delivered", "kept back"][index], namesOf(node, prefix)])
-      .filter(([, names]) => names),
     ["receive buffer", node.socket_size_bytes ? `${Math.round((100 * node.socket_waiting_bytes) / node.socket_size_bytes)} % full` : "–"],
     ["handling, 99 %", node.handling_p99_us === undefined ? "–" : `under ${node.handling_p99_us} µs`],
   ];
+  for (const [name, prefix] of [["not delivered", "undelivered."], ["damaged", "damaged."], ["withheld", "withheld."]])
+    if (namesOf(node, prefix)) facts.push([name, namesOf(node, prefix)]);
   if (node.recording !== undefined)
     facts.push(["recording", `${node.recording}: ${(node.recording_bytes / 1e6).toFixed(1)} MB, ${node.recording_lost} lost`]);
   const list = byId("totals");

@@ -42,13 +42,17 @@ class Account:
     """Signed datagrams that were accepted more than a minute ahead of this computer's clock, by who signed them."""
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused to send, by peer."""
+    undelivered: Counter[tuple[str, str, str]] = field(default_factory=Counter)
+    """Datagrams that were sent to an end, but did not leave: for its line, or its budget. By peer, board and reason.
+
+    They count as sent or forwarded, too. The reasons are those of `Undelivered`.
+    """
+    undelivered_of_row: Counter[tuple[str, str]] = field(default_factory=Counter)
+    """Datagrams that did not leave because of a budget, by payload and reason."""
+    damaged: Counter[tuple[str, str]] = field(default_factory=Counter)
+    """Frames that were damaged on the line of an end, so that nothing was received, by peer and board."""
     unforwarded: Counter[str] = field(default_factory=Counter)
     """Datagrams not forwarded to a peer, by this peer: longer than its ``max_size``, or of another schema."""
-    undelivered: Counter[tuple[str, str, str]] = field(default_factory=Counter)
-    """Datagrams to a peer that count as sent or forwarded, but did not leave this computer.
-
-    By peer, payload (empty if it is unknown, or the link message) and reason (`Undelivered`).
-    """
     withheld: Counter[tuple[str, str, str]] = field(default_factory=Counter)
     """Datagrams that were not forwarded to a peer because of the limits under `forward`.
 
@@ -101,12 +105,13 @@ class Account:
             "stops": dict(sorted(self.stops.items())),
             "clocks_ahead": dict(sorted(self.clocks_ahead.items())),
             "unsent": dict(sorted(self.unsent.items())),
+            "undelivered": by_end(self.undelivered),
+            "damaged": by_end(self.damaged),
             "unforwarded": dict(sorted(self.unforwarded.items())),
-            "undelivered": _joined(self.undelivered),
-            "withheld": _joined(self.withheld),
+            "withheld": by_end(self.withheld),
             "repeated": dict(sorted(self.repeated.items())),
             "budget_bytes": dict(sorted(self.budget_bytes.items())),
-            "link_events": _joined(self.link_events),
+            "link_events": by_end(self.link_events),
             "links_received": self.links_received,
             "links_sent": dict(sorted(self.links_sent.items())),
             "other_schemas": {end: list(rows) for end, rows in sorted(self.other_schemas.items())},
@@ -137,10 +142,6 @@ class Account:
         )
 
 
-def _joined(counts: Mapping[tuple[str, str, str], int]) -> dict[str, int]:
-    return {" ".join(filter(None, key)): count for key, count in sorted(counts.items()) if count}
-
-
 # Module function, not only a method: `simulate` checks the counters that another process printed as JSON.
 def discrepancies(account: Mapping[str, Any]) -> list[str]:
     """Return a text for each pair of sums of counters that should be equal but are not; an empty list if all agree.
@@ -167,6 +168,11 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
         ),
     ]
     return [f"{count} {what}, but {other} {ends}" for what, count, ends, other in sums if count != other]
+
+
+def by_end(counts: Mapping[Any, int]) -> dict[str, int]:
+    """Return counts by text, sorted, for counts by tuple: peer, board (may be empty) or payload, perhaps a reason."""
+    return {" ".join(filter(None, key)): count for key, count in sorted(counts.items()) if count}
 
 
 class ThrottledWarnings:

@@ -124,6 +124,7 @@ class Bridge:
         self._observers = observers
         self._handle_observed = self._observed(self._handle)
         self._admission = Admission(registry, self._counters.count_dropped, self._signed_peers.translator)
+        self._admission.follow(self._ends.lines())
         self._admitted: dict[Translator, Handle] = {}
         self._receiver: udp.Receiver[Any] = udp.Receiver(
             self._socket, parameters.max_datagram + 1, *self._receiving(parameters)
@@ -146,6 +147,8 @@ class Bridge:
     @property
     def account(self) -> Account:
         """Counters of the bridge at this moment."""
+        self._account.undelivered = self._ends.undelivered() + self._budgets.undelivered()
+        self._account.damaged = self._ends.damaged()
         return self._account if self._native is None else self._native.added_to(self._account)
 
     def latencies(self) -> Latencies:
@@ -257,6 +260,7 @@ class Bridge:
         """
         before, self._parameters = self._parameters, parameters
         self._ends.follow(parameters)
+        self._admission.follow(self._ends.lines())
         self._forwarding.follow(parameters.forward_policy)
         if self._link is not None:
             self._link.follow(parameters.link_policy)
@@ -366,12 +370,13 @@ class Bridge:
         restricts, _ = self._reading(self._parameters)
         if not restricts:
             return UNLIMITED
-        return self._admission.gate.source(sender.ip, self._registry.by_name[row].route.peer)
+        return self._admission.settled(self._registry.by_name[row].route, sender)
 
     def _reading(self, parameters: Parameters) -> tuple[bool, bool]:
         """Return how datagrams are read: true if senders are checked, and true if the address of an end is learned."""
-        restricts = parameters.source_policy == "mapping" and restricts_sources(self._registry.peers)
-        return restricts, any(address.hosts == (LEARN,) for address in parameters.addresses.values())
+        ends = parameters.addresses.values()
+        restricts = restricts_sources(self._registry.peers) or any(end.is_line for end in ends)
+        return restricts and parameters.source_policy == "mapping", any(end.hosts == (LEARN,) for end in ends)
 
     def _not_accepted(self, handler: AnyHandler | AnyStandardHandler) -> None:
         """Count a message of the native core that the middleware has not accepted."""
@@ -392,7 +397,7 @@ class Bridge:
         handle: Callable[[list[Any]], None] = self._handle_with_sources if restricts else self._handle_observed
         if learns:
             return partial(self._handle_and_learn, handle, restricts), udp.sender_reader
-        return handle, udp.source_reader if restricts else udp.reader
+        return handle, udp.sender_reader if restricts else udp.reader
 
     def _observed(self, handle: Handle) -> Handle:
         """Let all observers wrap a function that handles batches, and return the wrapped function."""
@@ -405,7 +410,7 @@ class Bridge:
         self._counters.count_received(len(batch))
         self._dispatch(batch, self._translator)
 
-    def _handle_with_sources(self, batch: list[udp.SourcedDatagram]) -> None:
+    def _handle_with_sources(self, batch: list[udp.SentDatagram]) -> None:
         """Bridge the datagrams whose senders are admitted; observers do not see the other datagrams."""
         self._counters.count_received(len(batch))
         for translator, datagrams in self._admission.sort(batch, time.monotonic()).items():
@@ -418,11 +423,11 @@ class Bridge:
     ) -> None:
         """Bridge the datagrams of each sender with ``handle``, so that `_dispatch` can learn the sender's address.
 
-        If the table ``restricts`` senders, ``handle`` gets each datagram with the IP address of its sender.
+        If the table ``restricts`` senders, ``handle`` gets each datagram with its sender.
         """
         by_sender: defaultdict[Sender, list[Any]] = defaultdict(list)
         for datagram, sender in batch:
-            by_sender[sender].append((datagram, sender.ip) if restricts else datagram)
+            by_sender[sender].append((datagram, sender) if restricts else datagram)
         for sender, datagrams in by_sender.items():
             self._sender = sender
             handle(datagrams)
@@ -527,7 +532,6 @@ class Bridge:
 
 _WITH_SENDER: dict[Callable[..., Any], Callable[[bytes, Sender], Any] | None] = {
     udp.reader: None,
-    udp.source_reader: lambda datagram, sender: (datagram, sender.ip),
     udp.sender_reader: lambda datagram, sender: (datagram, sender),
 }
 """Function that makes a member of a batch, by the function that makes the batch's reader.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple
@@ -19,9 +19,8 @@ from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.core.envelope import restore
 from roverlink.runtime.core.registry import EndName, Peer, Registry
 from roverlink.runtime.core.signing import size_of_signature
-from roverlink.runtime.core.wire_format import fields
 from roverlink.runtime.net.destination import Destination
-from roverlink.runtime.net.outbox import Outbox, Undelivered, priorities_of
+from roverlink.runtime.net.outbox import Outbox, Undelivered, number_of, priority_by_number
 
 _HEADERS = {2: 28, 4: 48}
 """Bytes of the IP and UDP headers, by the length of a socket's address: IPv4 and IPv6."""
@@ -33,6 +32,7 @@ _ROUND_S = 0.002
 class _Letter(NamedTuple):
     number: int
     """Number of the payload; 0 if the datagram has none."""
+    end: EndName
     datagram: bytes
     size: int
     send: to_peer.Send
@@ -45,10 +45,10 @@ class BudgetedPeer:
         """Count what does not leave in ``account``."""
         self._peer, self._account, self._signature = peer, account, registry.signature
         self._rows = {number: handler.route.name for number, handler in registry.by_number.items()}
-        priorities = priorities_of(registry)
-        self._outbox: Outbox[_Letter] = Outbox(
-            lambda letter: priorities.get(letter.number, 0), peer.budget, self._discard
-        )
+        priority_of = priority_by_number(registry)
+        self._outbox: Outbox[_Letter] = Outbox(lambda letter: priority_of(letter.number), peer.budget, self._discard)
+        self.undelivered: Counter[tuple[str, str, str]] = Counter()
+        """Datagrams that did not leave, by peer, board and reason."""
         self._given: deque[_Letter] = deque()
         self._lock = threading.Lock()
         self._due = self._planned = math.inf
@@ -58,8 +58,8 @@ class BudgetedPeer:
     def put(self, send: to_peer.Send, destination: Destination, datagrams: Sequence[bytes]) -> int:
         """Send datagrams with ``send`` as soon as the budget allows it; return their number."""
         for datagram in datagrams:
-            number = next((field.number for field in fields(datagram) if field.number != self._signature), 0)
-            self._given.append(_Letter(number, datagram, self._size(datagram, destination), send))
+            number = number_of(datagram, self._signature)
+            self._given.append(_Letter(number, destination.end, datagram, self._size(datagram, destination), send))
         self._send_due()
         if self._due < self._planned:
             self._planned = self._due
@@ -106,7 +106,9 @@ class BudgetedPeer:
                 self._lock.release()
 
     def _discard(self, letter: _Letter, why: Undelivered) -> None:
-        self._account.undelivered[self._peer.name, self._rows.get(letter.number, ""), why.value] += 1
+        self.undelivered[letter.end.peer, letter.end.board, why.value] += 1
+        if row := self._rows.get(letter.number):
+            self._account.undelivered_of_row[row, why.value] += 1
 
 
 class Budgets:
@@ -118,6 +120,13 @@ class Budgets:
         for end, destination in destinations.items():
             if end.peer in self.peers:
                 destination.keep_from_core()
+
+    def undelivered(self) -> Counter[tuple[str, str, str]]:
+        """Return how many datagrams did not leave because of the budgets, by peer, board and reason."""
+        counts: Counter[tuple[str, str, str]] = Counter()
+        for peer in self.peers.values():
+            counts.update(dict(peer.undelivered))
+        return counts
 
     def sending(self, send: to_peer.Send, destination: Destination) -> to_peer.Send:
         """Return a function that sends datagrams with ``send``, through the outbox if the peer has one."""

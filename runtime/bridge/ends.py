@@ -5,6 +5,7 @@ An end is a peer, or a board of a peer that has ``boards`` in the table. Several
   after a failure to send.
 - The receiving thread learns the address of an end whose host is ``learn``.
 - The thread of a ROS 2 tool changes the hosts by setting parameters.
+- The threads of a `Carrier` for each end that has another transport than UDP.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import contextlib
 import logging
 import socket
 import threading
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from functools import partial
@@ -21,9 +23,12 @@ from typing import NamedTuple
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.core.registry import End, EndName, Registry
 from roverlink.runtime.net import hosts
+from roverlink.runtime.net.carrier import Carrier
 from roverlink.runtime.net.destination import Destination, Target
 from roverlink.runtime.net.host_watch import HostWatch
 from roverlink.runtime.net.hosts import SocketAddress
+from roverlink.runtime.net.outbox import Outbox, number_of, priority_by_number
+from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.ros_arguments.parameters import EndAddress, Parameters
 from roverlink.runtime.text.host_names import LEARN, is_literal
 
@@ -43,6 +48,10 @@ class LinkEvent(str, Enum):
     """The network of this computer refuses datagrams to the address."""
     REACHABLE = "reachable_again"
     """The network accepts datagrams to the address again."""
+    CONNECTED = "connected"
+    """The line to the end works: the serial device is open, or there is a TCP connection."""
+    DISCONNECTED = "disconnected"
+    """The line to the end does not work any more, or not yet."""
     ONE_WAY = "one_way"
     """The end has an IPv6 address, but the bridge listens only on IPv4."""
 
@@ -51,12 +60,14 @@ class LinkState(NamedTuple):
     """State of the address of an end."""
 
     addresses: tuple[str, ...]
-    """Addresses with their ports to which datagrams go now; empty if none is known."""
+    """Addresses with their ports to which datagrams go now, or the line of the end; empty if none is known."""
     state: str
-    """``ok``, ``not_learned``, ``not_resolved`` or ``unreachable``."""
+    """``ok``, ``not_learned``, ``not_resolved``, ``not_connected`` or ``unreachable``."""
+    fault: str = ""
+    """Reason why the line of the end does not work; empty if it works, or if the end has none."""
 
 
-_GOOD = frozenset({LinkEvent.RESOLVED, LinkEvent.LEARNED, LinkEvent.REACHABLE})
+_GOOD = frozenset({LinkEvent.RESOLVED, LinkEvent.LEARNED, LinkEvent.REACHABLE, LinkEvent.CONNECTED})
 
 Note = Callable[[LinkEvent, str], None]
 """Function that counts an event of an end, and logs its text."""
@@ -72,9 +83,18 @@ class Ends:
         """
         self.on_learned: Callable[[], None] = lambda: None
         """Function that is called when the address of an end was learned."""
+        priority_of = priority_by_number(registry)
+        # A datagram is signed before it waits for a line, so no other one of the key may overtake it.
+        signed = {peer.name for peer in registry.peers if peer.must_sign}
+
+        def outbox_of(end: EndName) -> Outbox[bytes]:
+            return (
+                Outbox() if end.peer in signed else Outbox(lambda one: priority_of(number_of(one, registry.signature)))
+            )
+
         self._steered = {
             name: _Steering(
-                name, end, partial(_note, counters, name), lambda: self.on_learned(), own.family == socket.AF_INET
+                name, end, partial(_note, counters, name), lambda: self.on_learned(), own, partial(outbox_of, name)
             )
             for name, end in registry.ends.items()
         }
@@ -124,10 +144,23 @@ class Ends:
 
     def states(self) -> dict[EndName, LinkState]:
         """Return the addresses of each end, with their state."""
-        return {
-            name: LinkState(tuple(map(hosts.text_of, steering.destination.addresses)), steering.state)
-            for name, steering in self._steered.items()
-        }
+        return {name: steering.link_state() for name, steering in self._steered.items()}
+
+    def lines(self) -> dict[SocketAddress, EndName]:
+        """Return the ends that have another transport than UDP, by the address from which their datagrams come."""
+        carriers = {name: steering.carrier for name, steering in self._steered.items()}
+        return {carrier.address: name for name, carrier in carriers.items() if carrier is not None}
+
+    def undelivered(self) -> Counter[tuple[str, str, str]]:
+        """Return the number of datagrams that were not sent over the line of an end, by peer, board and reason."""
+        counts: Counter[tuple[str, str, str]] = Counter()
+        for name, steering in self._steered.items():
+            counts.update({(*name, reason): count for reason, count in steering.undelivered().items() if count})
+        return counts
+
+    def damaged(self) -> Counter[tuple[str, str]]:
+        """Return the number of frames that were damaged on the line of an end, by peer and board."""
+        return Counter({(*name,): count for name, one in self._steered.items() if (count := one.damaged())})
 
     def close(self) -> None:
         """Stop the threads, and close the sockets."""
@@ -143,8 +176,17 @@ def _note(counters: Counters, name: EndName, event: LinkEvent, text: str) -> Non
 class _Steering:
     """Steering of one end's destination: it directs the destination to the addresses of the end's hosts."""
 
-    def __init__(self, name: EndName, end: End, note: Note, learned: Callable[[], None], ipv4_only: bool) -> None:
-        self._end, self._note, self._learned, self._ipv4_only = end, note, learned, ipv4_only
+    def __init__(
+        self,
+        name: EndName,
+        end: End,
+        note: Note,
+        learned: Callable[[], None],
+        own: socket.socket,
+        outbox: Callable[[], Outbox[bytes]],
+    ) -> None:
+        self._end, self._note, self._learned, self._own, self._outbox = end, note, learned, own, outbox
+        self._ipv4_only = own.family == socket.AF_INET
         self.destination = Destination(name, report=self._reachability_changed)
         self._lock = threading.RLock()
         self._running = False
@@ -154,6 +196,28 @@ class _Steering:
         self._missing: set[str] = set()
         """Hosts without an address."""
         self._watches: list[HostWatch] = []
+        self.carrier: Carrier | None = None
+        """Carrier of an end that has another transport than UDP."""
+        self._undelivered: Counter[str] = Counter()  # by the carriers that are closed
+        self._damaged = 0
+
+    def link_state(self) -> LinkState:
+        """Return the addresses of the end, with their state."""
+        if (carrier := self.carrier) is None:
+            return LinkState(tuple(map(hosts.text_of, self.destination.addresses)), self.state)
+        why = carrier.why
+        works = why is None and bool(self.destination.addresses)
+        return LinkState((carrier.name,), "ok" if works else "not_connected", why or "")
+
+    def undelivered(self) -> Counter[str]:
+        """Return the number of datagrams that no carrier has sent, by reason."""
+        carrier = self.carrier
+        return self._undelivered + (carrier.undelivered if carrier is not None else Counter())
+
+    def damaged(self) -> int:
+        """Return the number of frames that were damaged on a line."""
+        carrier = self.carrier
+        return self._damaged + (carrier.damaged if carrier is not None else 0)
 
     @property
     def state(self) -> str:
@@ -172,27 +236,33 @@ class _Steering:
         """Start to look up the hosts."""
         with self._lock:
             self._running = True
-            for watch in self._watches:
-                watch.start()
+            self._start_threads()
+
+    def _start_threads(self) -> None:
+        for watch in self._watches:
+            watch.start()
+        if self.carrier is not None:
+            self.carrier.start()
 
     def follow(self, wanted: EndAddress) -> None:
         """Direct the destination to other hosts, or to another port."""
         with self._lock:
             if wanted == self._wanted:
                 return
-            self._stop_watches()
+            self._stop_threads()
             self._wanted, self._targets, self._missing = wanted, {}, set()
             for host in () if self._learns else wanted.hosts:
+                if wanted.is_line:
+                    self.carrier = Carrier(transport_at(host), self._own, self._connection_changed, self._outbox())
                 # An address of a network interface needs the interface, which may not be there yet.
-                if is_literal(host) and "%" not in host and not self._end.interface:
+                elif is_literal(host) and "%" not in host and not self._end.interface:
                     with contextlib.suppress(OSError):  # it is noted
                         self._look_up(wanted, host)
                 else:
                     self._watches.append(HostWatch(partial(self._look_up, wanted, host)))
             self._direct()
             if self._running:
-                for watch in self._watches:
-                    watch.start()
+                self._start_threads()
 
     def knows(self, sender: SocketAddress) -> bool:
         """Return true if a datagram from a sender changes nothing."""
@@ -224,13 +294,28 @@ class _Steering:
     def close(self) -> None:
         """Stop the threads, and close the sockets."""
         with self._lock:
-            self._stop_watches()
+            self._stop_threads()
         self.destination.close()
 
-    def _stop_watches(self) -> None:
+    def _stop_threads(self) -> None:
         for watch in self._watches:
             watch.stop()
         self._watches = []
+        if (carrier := self.carrier) is not None:
+            carrier.close()
+            self.carrier, self._undelivered, self._damaged = None, self.undelivered(), self.damaged()
+
+    def _connection_changed(self, why: str) -> None:
+        """Send to the line of the end, or nothing as long as there is no connection: what waits would be stale."""
+        with self._lock:
+            if (carrier := self.carrier) is None:
+                return
+            self._targets = {carrier.name: Target(carrier.address)} if carrier.why is None else {}
+            self._direct()
+        if why:
+            self._note(LinkEvent.DISCONNECTED, f"{carrier.name}: {why}")
+        else:
+            self._note(LinkEvent.CONNECTED, f"connected over {carrier.name}")
 
     def _look_up(self, wanted: EndAddress, host: str) -> None:
         """Look up a host, and direct the destination to it. Raises `OSError` or `UnicodeError` if it is not found."""

@@ -11,6 +11,7 @@ from roverlink.runtime.bridge import forwarding, to_peer
 from roverlink.runtime.core.envelope import restore, strip_trailing_zeros
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Route
+from roverlink.runtime.core.principals import Origin
 from roverlink.runtime.core.registry import Registry
 from roverlink.runtime.core.signing import Signer, Stream
 from roverlink.runtime.core.translator import Translator, VerifyingTranslator
@@ -45,14 +46,14 @@ class SignedPeers:
         for missing in self._missing_keys():
             raise SetupError(missing)
 
-    def translator(self, peers: frozenset[str] | None = None) -> Translator:
-        """Return a translator of the payloads of ``peers`` (None: of all) that refuses datagrams which are not signed.
+    def translator(self, origin: Origin | None = None) -> Translator:
+        """Return a translator of the payloads of an origin (None: of all) that refuses datagrams without signature.
 
         If no peer must sign, its work is that of a plain `Translator`.
         """
         if self._links is None or not self.must_sign:
-            return Translator(self._registry, peers)
-        return VerifyingTranslator(self._registry, self._links.verifier, peers)
+            return Translator(self._registry, origin)
+        return VerifyingTranslator(self._registry, self._links.verifier, origin)
 
     def sending(self, peer: str, board: str, send: to_peer.Send) -> to_peer.Send:
         """Return a function that sends datagrams with ``send``, and signs them before if the peer must sign."""

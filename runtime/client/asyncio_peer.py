@@ -13,6 +13,7 @@ from roverlink.runtime.client.peer_end import PeerEnd
 from roverlink.runtime.client.reassembly import Frame, Part, Reassembler
 from roverlink.runtime.client.session import ClosedError, Received, Session
 from roverlink.runtime.net import udp
+from roverlink.transport_addresses import names_transport
 
 P = TypeVar("P")
 F = TypeVar("F", bound=Part)
@@ -31,12 +32,15 @@ class Peer(PeerEnd):
 
     async def __aenter__(self) -> Peer:
         self._loop = loop = asyncio.get_running_loop()
-        self._remote = await loop.run_in_executor(None, udp.resolve, *self._remote)
+        if not names_transport(self._remote[0]):
+            self._remote = await loop.run_in_executor(None, udp.resolve, *self._remote)
         self._news = asyncio.Event()
         self._timer: asyncio.TimerHandle | None = None
         self._transport, self._arrivals = await loop.create_datagram_endpoint(
             lambda: _Arrivals(self._session, self._news), sock=self._bind()
         )
+        if self._carrier is not None:
+            await loop.run_in_executor(None, self._carrier.wait)
         self._start()
         return self
 

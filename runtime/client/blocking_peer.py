@@ -13,6 +13,7 @@ from roverlink.runtime.client.peer_end import PeerEnd
 from roverlink.runtime.client.reassembly import Frame, Part, Reassembler
 from roverlink.runtime.client.session import Received
 from roverlink.runtime.net import udp
+from roverlink.transport_addresses import names_transport
 
 P = TypeVar("P")
 F = TypeVar("F", bound=Part)
@@ -33,8 +34,11 @@ class BlockingPeer(PeerEnd):
     """
 
     def __enter__(self) -> BlockingPeer:
-        self.direct_to(*self._remote)
+        if not names_transport(self._remote[0]):
+            self.direct_to(*self._remote)
         sock = self._bind()
+        if self._carrier is not None:
+            self._carrier.wait()
         self._read = udp.reader(sock, udp.LARGEST)
         self._selector = selectors.DefaultSelector()
         self._selector.register(sock, selectors.EVENT_READ)
@@ -48,8 +52,9 @@ class BlockingPeer(PeerEnd):
         """Close the socket and end the repetitions; iterations end. May be repeated."""
         if self._socket is not None:
             self._selector.close()
-            self._socket.close()
+            sock = self._socket
             self._forget_socket()
+            sock.close()
 
     def direct_to(self, host: str, port: int) -> None:
         """Send to this address from now on. Raises `SetupError` if the host does not resolve."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import socket
 import time
 from abc import ABC, abstractmethod
@@ -16,8 +17,11 @@ from roverlink.runtime.client.signatures import Signatures
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.registry import EndName, Registry, load_registry
 from roverlink.runtime.net import udp
+from roverlink.runtime.net.carrier import Carrier
 from roverlink.runtime.net.traffic_class import TrafficClass, mark
+from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.ros_arguments import parameters
+from roverlink.transport_addresses import names_transport
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
@@ -48,6 +52,7 @@ class PeerEnd(ABC):
         self._schedule = Schedule()
         self._repeated: dict[str, Repetition] = {}
         self._socket: socket.socket | None = None
+        self._carrier: Carrier | None = None
 
     @classmethod
     def open(
@@ -70,7 +75,8 @@ class PeerEnd(ABC):
         - ``board``: a board of the peer, if the program is this board alone. It sends the rows of this board. A program
           without it sends the rows of all boards.
         - ``registry``: the result of `load_registry`; by default that of the package ``generated`` on the import path.
-        - ``host``, ``port``: the bridge.
+        - ``host``, ``port``: the bridge. A host such as ``serial:/dev/ttyACM0`` or ``tcp:10.0.0.5:7000`` is a line to
+          the bridge, so that the port means nothing.
         - ``local_address``, ``local_port``: where datagrams of the bridge arrive. The default port is that of the peer
           or board in the table; 0 takes any free port.
         - ``hooks``: steps that each datagram passes.
@@ -100,8 +106,8 @@ class PeerEnd(ABC):
 
     @property
     def remote(self) -> str:
-        """Address to which the peer sends, as ``HOST:PORT``."""
-        return f"{self._remote[0]}:{self._remote[1]}"
+        """Address to which the peer sends, as ``HOST:PORT``, or the address of its line."""
+        return self._carrier.name if self._carrier is not None else f"{self._remote[0]}:{self._remote[1]}"
 
     @property
     def traffic(self) -> Traffic:
@@ -133,8 +139,11 @@ class PeerEnd(ABC):
     def send_datagram(self, datagram: bytes) -> None:
         """Send bytes to the bridge, whatever they contain; the hooks apply. For tools that test a bridge.
 
-        Raises `ClosedError` if the peer is not open, and `OSError` if the network refuses the datagram.
+        Raises `ClosedError` if the peer is not open, and `OSError` if the network refuses the datagram, or if its line
+        has no connection.
         """
+        if self._carrier is not None and self._carrier.why is not None:
+            raise OSError(errno.ENOTCONN, self._carrier.why)
         self._opened().sendto(self._session.outgoing(datagram), self._remote)
         self._session.traffic.sent += 1
 
@@ -191,6 +200,8 @@ class PeerEnd(ABC):
         """End the repetitions; from now on the peer is not open."""
         if self._signatures is not None:
             self._signatures.__exit__()
+        if self._carrier is not None:
+            self._carrier.close()
         self._socket = None
         self._schedule = Schedule()
         self._repeated.clear()
@@ -198,6 +209,12 @@ class PeerEnd(ABC):
     def _bind(self) -> socket.socket:
         """Bind the peer's socket. The address of the bridge must be known."""
         address, port = self._local
+        if names_transport(line := self._remote[0]):
+            self._socket = udp.bind("127.0.0.1", 0, _RECEIVE_BUFFER)
+            self._carrier = Carrier(transport_at(line), self._socket)
+            self._carrier.start()
+            self._remote = self._carrier.address[:2]
+            return self._socket
         if address == _EVERY_ADDRESS and ":" in self._remote[0]:
             address = "::"
         self._socket = udp.bind(address, port, _RECEIVE_BUFFER)

@@ -6,6 +6,7 @@ A link message does not name its sender. These rules tell who may have sent it:
   without a key of their own sign with the key of their peer.
 - A sender without a signature may be any end that need not sign.
 - If the table has ``sources``, a sender speaks only for the peers that have its address.
+- What comes over the line of an end, such as a serial one, speaks for this end alone, and nothing else speaks for it.
 
 The rows that the message lists say which of these ends it is: the board or the peer that sends or receives all of them,
 or to which they are forwarded. If several ends fit, the one that has most of the rows itself is the sender. A program
@@ -29,6 +30,34 @@ class Principal(NamedTuple):
     """End that has signed the datagram; None if nobody has."""
     ends: tuple[EndName, ...]
     """Ends for which the sender may speak. A peer comes after its boards."""
+
+
+class Origin(NamedTuple):
+    """Origin of a datagram: an address that belongs to some peers, or the line of an end."""
+
+    peers: frozenset[str]
+    """Peers that have the address."""
+    line: EndName | None = None
+    """End whose line it is; None for a datagram from the network."""
+    lines: frozenset[EndName] = frozenset()
+    """Ends that have lines, so that nothing from the network speaks for them."""
+
+    def may_carry(self, peer: str, board: str) -> bool:
+        """Return true if a row of a board of a peer may have this origin; the board is empty if the row has none."""
+        if self.line is not None:
+            return self.line.peer == peer and (self.line.board in ("", board) or not board)
+        return peer in self.peers and not self.lines & {EndName(peer), EndName(peer, board)}
+
+    def may_be(self, end: EndName) -> bool:
+        """Return true if a link message of an end may have this origin. A whole peer is all its boards."""
+        if self.line is not None:
+            return self.line.peer == end.peer and self.line.board in ("", end.board)
+        return self.may_carry(*end) and bool(end.board or all(line.peer != end.peer for line in self.lines))
+
+    def __str__(self) -> str:
+        if self.line is not None:
+            return f"the line of {self.line}"
+        return "the network" if self.lines else f"an address of {', '.join(sorted(self.peers))}"
 
 
 class EndRows:
@@ -65,10 +94,10 @@ class EndRows:
 class Speakers:
     """Principals of the link messages of a table."""
 
-    def __init__(self, registry: Registry, peers: frozenset[str] | None, must_sign: Collection[str] = ()) -> None:
-        """Let the principals speak only for ``peers``; None is all peers. Those in ``must_sign`` need a signature."""
+    def __init__(self, registry: Registry, origin: Origin | None, must_sign: Collection[str] = ()) -> None:
+        """Let principals speak only for ends of ``origin``; None is all. Peers in ``must_sign`` need a signature."""
         self.rows = EndRows(registry)
-        ends = [end for end in self.rows.own if peers is None or end.peer in peers]
+        ends = [end for end in self.rows.own if origin is None or origin.may_be(end)]
         self.unsigned = Principal(None, tuple(end for end in ends if end.peer not in must_sign))
         """Principal of a link message without a signature."""
         self.signed = {

@@ -13,7 +13,7 @@ from google.protobuf.message import DecodeError
 from roverlink.runtime.core import envelope, link_message
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
 from roverlink.runtime.core.handler import UNSTAMPED, all_to_cdr
-from roverlink.runtime.core.principals import Principal, Speakers
+from roverlink.runtime.core.principals import Origin, Principal, Speakers
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
 from roverlink.runtime.core.signing import Verifier
 from roverlink.runtime.interfaces import Time
@@ -49,21 +49,21 @@ class Translator:
     It uses the handlers of a registry, and contains no code for particular messages.
     """
 
-    def __init__(self, registry: Registry, peers: frozenset[str] | None = None) -> None:
-        """Accept only payloads of the peers named in ``peers``; None accepts the payloads of all peers."""
-        self._registry = registry
-        self.peers = peers
-        """Peers whose payloads are accepted; None if those of all peers are."""
+    def __init__(self, registry: Registry, origin: Origin | None = None) -> None:
+        """Accept only the payloads that may have an origin; None accepts all payloads."""
+        self._registry, self._origin = registry, origin
         self._parse = registry.envelope.FromString
         # Looked up once: both are called for every datagram. See `_parsed` for why this is the class's method.
         self._which, self._oneof = registry.envelope.WhichOneof, registry.oneof
         inbound = [handler for handler in registry.handlers if handler.route.inbound]
-        self._inbound = {h.route.name: h for h in inbound if peers is None or h.route.peer in peers}
+        self._inbound = {
+            h.route.name: h for h in inbound if origin is None or origin.may_carry(h.route.peer, h.route.board)
+        }
         self._extra_topics = {
             name: tuple(f for f in registry.extra_topics if f.route.name == name) for name in self._inbound
         }
         self._link = "" if registry.link is None else link_message.NAME
-        self._speakers = Speakers(registry, peers)
+        self._speakers = Speakers(registry, origin)
         self.refuse(frozenset())
 
     def refuse(self, rows: frozenset[str]) -> None:
@@ -152,13 +152,12 @@ class Translator:
     def _principal(self, datagram: bytes, rows: AbstractSet[str]) -> Principal:  # noqa: ARG002  # a subclass reads it
         """Return who has sent a link message with some rows. Raises `DatagramError` if the rows are those of others."""
         principal = self._speakers.unsigned
-        if self.peers is not None and not self._speakers.may_speak(principal, rows):
+        if self._origin is not None and not self._speakers.may_speak(principal, rows):
             raise self._rows_of_others()
         return principal
 
     def _rows_of_others(self) -> DatagramError:
-        speakers = ", ".join(sorted(self.peers or ()))
-        message = f"a link message with rows of other peers has come from an address of {speakers}"
+        message = f"a link message with rows of other peers has come from {self._origin}"
         return DatagramError(Reason.WRONG_SOURCE, message)
 
     def _refuse(self, name: str, misfits: Mapping[int, ConversionError], translation: Translation) -> None:
@@ -252,12 +251,11 @@ class Translator:
             return DatagramError(
                 Reason.OTHER_SCHEMA, f"{name!r} ({number}): {handler.route.peer} has another schema of it", name
             )
-        # Known and inbound, yet not accepted: this sender has other peers.
+        # Known and inbound, yet not accepted: this sender is somebody else.
         if handler.route.inbound:
-            speakers = ", ".join(sorted(self.peers or ()))
             return DatagramError(
                 Reason.WRONG_SOURCE,
-                f"{name!r} ({number}) belongs to the peer {handler.route.peer!r}, but came from {speakers}",
+                f"{name!r} ({number}) belongs to the peer {handler.route.peer!r}, but came from {self._origin}",
             )
         return DatagramError(
             Reason.WRONG_DIRECTION,
@@ -272,14 +270,14 @@ class VerifyingTranslator(Translator):
     The payloads of other peers cost one lookup more.
     """
 
-    def __init__(self, registry: Registry, verifier: Verifier, peers: frozenset[str] | None = None) -> None:
-        """Accept only payloads of the peers named in ``peers``; None accepts the payloads of all peers."""
-        super().__init__(registry, peers)
+    def __init__(self, registry: Registry, verifier: Verifier, origin: Origin | None = None) -> None:
+        """Accept only the payloads that may have an origin; None accepts all payloads."""
+        super().__init__(registry, origin)
         self._verifier = verifier
         must_sign = {peer.name for peer in registry.peers if peer.must_sign}
         routes = [handler.route for handler in registry.handlers if handler.route.peer in must_sign]
         self._senders = {route.name: frozenset((route.peer, route.board)) for route in routes}
-        self._speakers = Speakers(registry, peers, must_sign)
+        self._speakers = Speakers(registry, origin, must_sign)
 
     def _parsed(self, datagram: bytes, restored: dict[bytes, bytes]) -> tuple[str, Any]:
         # After parsing, because only the payload tells whose signature is needed: no address can be trusted.

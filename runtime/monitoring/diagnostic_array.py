@@ -6,12 +6,12 @@ An end is a peer or a board. Ends have a status only if the table has the link m
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Callable, Mapping
 from socket import gethostname
 from typing import Any
 from uuid import uuid4
 
+from roverlink.runtime.bridge.account import by_end
 from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME, UNKNOWN, EndReport
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Qos
@@ -64,12 +64,13 @@ def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
         "received_rate": f"{state.received_rate:.2f}",
         **{f"forwarded.{peer}": count for peer, count in state.forwarded.items()},
         **{f"unsent.{peer}": count for peer, count in state.unsent.items()},
+        **{f"undelivered.{subject}": count for subject, count in by_end(state.undelivered).items()},
+        **{f"damaged.{end}": count for end, count in by_end(state.damaged).items()},
         **{f"clocks_ahead.{end}": count for end, count in state.clocks_ahead.items()},
         **{f"unforwarded.{peer}": count for peer, count in state.unforwarded.items()},
         **{f"budget.{peer}": budget.limit for peer, budget in state.budgets.items()},
         **{f"budget_used.{peer}": f"{budget.used:.0f}" for peer, budget in state.budgets.items()},
-        **{f"undelivered.{peer}.{why}": count for (peer, why), count in _by_peer(state.undelivered).items()},
-        **{f"withheld.{peer}.{why}": count for (peer, why), count in _by_peer(state.withheld).items()},
+        **{f"withheld.{subject}": count for subject, count in by_end(state.withheld).items()},
         **{f"dropped.{reason}": count for reason, count in state.dropped.items()},
         **{f"qos_mismatches.{topic}": count for topic, count in state.qos_mismatches.items()},
         "kernel_drops": state.kernel_drops,
@@ -87,14 +88,6 @@ def _node_status(state: State, origin: Mapping[str, Any]) -> DiagnosticStatus:
             "recording_lost": recording.lost,
         }
     return _status(state.level, state.node, state.message, "", values)
-
-
-def _by_peer(counts: Mapping[tuple[str, str, str], int]) -> Counter[tuple[str, str]]:
-    """Return counts by peer, payload and reason as counts by peer and reason."""
-    found: Counter[tuple[str, str]] = Counter()
-    for (peer, _, reason), count in sorted(counts.items()):
-        found[peer, reason] += count
-    return found
 
 
 def _row_status(node: str, row: RowState) -> DiagnosticStatus:
@@ -123,6 +116,7 @@ def _end_status(node: str, state: EndState) -> DiagnosticStatus:
         **({"board": state.end.board} if state.end.board else {}),
         "address": ", ".join(state.addresses),
         "link": state.link,
+        **({"fault": state.fault} if state.fault else {}),
         "state": state.liveness.state,
         **({} if state.liveness.age is None else {"age": f"{state.liveness.age:.2f}"}),
     }

@@ -134,16 +134,14 @@ class Monitor:
         # A peer that sends a payload of an outbound row does no harm to the row, so the row must not look broken.
         dropped = Counter({key: count for key, count in account.dropped_of_row.items() if key[0] not in self._outbound})
         dropped.update({(name, "refused"): count for name, count in account.refused.items()})
-        lost = account.dropped + Counter({"refused": account.refused.total(), "not sent": account.unsent.total()})
-        for (_, name, reason), count in tuple(account.undelivered.items()):
-            lost[reason] += count
-            if name in self._outbound:
-                dropped[name, reason] += count
+        dropped.update({key: count for key, count in account.undelivered_of_row.items() if key[0] in self._outbound})
         stops = Counter(account.stops)
         before = self._samples[-1] if self._samples else None
         if before is not None:
             self._last.update({name: now for name, count in crossed.items() if count != before.crossed[name]})
             self._last_stop.update({name: now for name, count in stops.items() if count != before.stops[name]})
+        lost = account.dropped + Counter({"refused": account.refused.total(), "not sent": account.unsent.total()})
+        lost += Counter({"not delivered": account.undelivered.total(), "damaged": account.damaged.total()})
         lost[_KERNEL] = self._bridge.socket_state().drops  # the account reads it only when a datagram arrives
         bytes_sent = Counter(account.budget_bytes)
         self._samples.append(_Sample(now, crossed, dropped, stops, account.received, lost, bytes_sent))
@@ -163,9 +161,10 @@ class Monitor:
             fingerprint=self._registry.fingerprint,
             rows=rows,
             ends=tuple(_ends(self._bridge.link_states(), rows)),
+            undelivered=dict(account.undelivered),
+            damaged=dict(account.damaged),
             unforwarded=dict(account.unforwarded),
             budgets=self._budgets(),
-            undelivered=dict(account.undelivered),
             withheld=dict(account.withheld),
             link_events=dict(account.link_events),
             received=last.received,
@@ -264,11 +263,12 @@ def _ends(links: Mapping[EndName, LinkState], rows: Sequence[RowState]) -> Itera
         liveness = liveness_of((row.age, row.expect_rate) for row in inbound)
         if link is None:  # a board that sends, but to which nothing goes
             link = LinkState((), "ok")
-        yield EndState(name, link.addresses, link.state, liveness, *_assess_end(link, liveness))
+        yield EndState(name, link.addresses, link.state, liveness, *_assess_end(link, liveness), link.fault)
 
 
 ADDRESS_PROBLEMS = {
     "unreachable": (Level.ERROR, "the network refuses datagrams to its address"),
+    "not_connected": (Level.ERROR, "there is no connection to it"),
     "not_resolved": (Level.WARN, "its host cannot be resolved"),
     "not_learned": (Level.WARN, "its address is not known before its first valid datagram"),
 }
@@ -277,6 +277,7 @@ ADDRESS_PROBLEMS = {
 
 def _assess_end(link: LinkState, liveness: Liveness) -> tuple[Level, str]:
     level, message = ADDRESS_PROBLEMS.get(link.state, (Level.OK, ""))
+    message = link.fault or message
     if liveness.state == "silent":
         silence = f"silent for {liveness.age:.1f} s"
         return max(level, Level.STALE), f"{silence}; {message}" if message else silence

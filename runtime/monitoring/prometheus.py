@@ -67,9 +67,17 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "budget_bytes_per_second", "Budget of a peer.", [({"peer": name}, one.limit) for name, one in budgets]
     sent = "Bytes sent to a peer with a budget, with the headers of IP and UDP."
     yield "budget_sent_bytes_total", sent, [({"peer": name}, one.sent) for name, one in budgets]
-    undelivered = "Datagrams to a peer that did not leave this computer."
-    yield "undelivered_total", undelivered, _by_payload(state.undelivered)
-    yield "withheld_total", "Datagrams that limits of forwards kept from a peer.", _by_payload(state.withheld)
+    yield "withheld_total", "Datagrams that limits of forwards kept from a peer.", [
+        ({"peer": peer, "payload": payload, "reason": reason}, count)
+        for (peer, payload, reason), count in sorted(state.withheld.items())
+    ]
+    yield "undelivered_total", "Datagrams to a peer or board that did not leave, because of its line or budget.", [
+        ({"peer": peer, "board": board, "reason": reason}, count)
+        for (peer, board, reason), count in sorted(state.undelivered.items())
+    ]
+    yield "damaged_total", "Frames that were damaged on the line of a peer or board.", [
+        ({"peer": peer, "board": board}, count) for (peer, board), count in sorted(state.damaged.items())
+    ]
     ahead = "Signed datagrams that were accepted more than a minute ahead of this computer's clock."
     yield "clocks_ahead_total", ahead, _by("signer", state.clocks_ahead)
     yield "link_events_total", "Events of the addresses of peers and boards.", [
@@ -151,10 +159,6 @@ def _link_families(state: State) -> Iterator[tuple[str, str, Samples]]:
 
 def _by(label: str, counts: Mapping[str, int]) -> Samples:
     return [({label: name}, count) for name, count in sorted(counts.items())]
-
-
-def _by_payload(counts: Mapping[tuple[str, str, str], int]) -> Samples:
-    return [(dict(zip(("peer", "payload", "reason"), key)), count) for key, count in sorted(counts.items())]
 
 
 def _histogram(latencies: Latencies) -> HistogramMetricFamily:

@@ -66,10 +66,12 @@ class EndState:
     addresses: tuple[str, ...]
     """Addresses with their ports to which datagrams go now; empty if none is known."""
     link: str
-    """State of the address: ``ok``, ``not_learned``, ``not_resolved`` or ``unreachable``."""
+    """State of the address: ``ok``, ``not_learned``, ``not_resolved``, ``not_connected`` or ``unreachable``."""
     liveness: Liveness
     level: Level
     message: str
+    fault: str = ""
+    """Reason why the line of the end does not work; empty if it works, or if the end has none."""
 
 
 @dataclass(frozen=True)
@@ -128,12 +130,14 @@ class State:
     message: str
     """Reason for the level of the bridge."""
     ends: tuple[EndState, ...] = ()
+    undelivered: Mapping[tuple[str, str, str], int] = field(default_factory=dict)
+    """Datagrams to an end that did not leave, because of its line or budget, by peer, board and reason."""
+    damaged: Mapping[tuple[str, str], int] = field(default_factory=dict)
+    """Frames that were damaged on the line of an end, by peer and board."""
     unforwarded: Mapping[str, int] = field(default_factory=dict)
     """Datagrams that were too long to be forwarded to a peer, by this peer."""
     budgets: Mapping[str, Budget] = field(default_factory=dict)
     """Budget of each peer that has one."""
-    undelivered: Mapping[tuple[str, str, str], int] = field(default_factory=dict)
-    """Datagrams to a peer that did not leave this computer, by peer, payload (empty if unknown) and reason."""
     withheld: Mapping[tuple[str, str, str], int] = field(default_factory=dict)
     """Datagrams that limits of `forward` kept from a peer, by peer, payload and reason."""
     clocks_ahead: Mapping[str, int] = field(default_factory=dict)

@@ -13,17 +13,21 @@ import select
 import socket
 import threading
 import time
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 
+from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.hosts import SocketAddress
 from roverlink.runtime.net.outbox import Outbox, Undelivered
-from roverlink.runtime.net.transports import Connection, Transport
+from roverlink.runtime.net.transports import Connection, NotTakenError, Transport, transport_at
+from roverlink.transport_addresses import names_transport
 
 _BUFFER = 1024 * 1024  # bytes that the program may send while the line is busy
 _WAIT_S = 0.2
 """Longest wait in seconds for datagrams of the end, after which the thread looks whether it has to end."""
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.1, 2.0
+_LOOK_S = 0.01
 _DRAIN_S = 0.5
 """Longest time in seconds to send what waits when the carrier is closed, such as the stops."""
 _LOOPBACK = {socket.AF_INET: "127.0.0.1", socket.AF_INET6: "::1"}
@@ -64,19 +68,24 @@ class Outgoing:
                 wait = self._outbox.next_due - time.monotonic()
                 poll.poll(None if wait == math.inf else max(0, math.ceil(wait * 1000)))
                 self._send_due()
+            self._take_in(time.monotonic())
+            self._outbox.discard()
 
     def _send_due(self) -> None:
         while (now := time.monotonic()) < self._deadline:
             # What has arrived meanwhile comes first into the outbox, which decides what goes next.
-            while datagrams := self._read():
-                for datagram in datagrams:
-                    self._outbox.put(datagram, now)
+            self._take_in(now)
             if (due := self._outbox.take(now)) is None:
                 return
             try:
                 self._send(due)
             except OSError:
                 self._outbox.undelivered[Undelivered.NOT_CONNECTED.value] += 1
+
+    def _take_in(self, now: float) -> None:
+        while datagrams := self._read():
+            for datagram in datagrams:
+                self._outbox.put(datagram, now)
 
 
 class Carrier:
@@ -105,7 +114,7 @@ class Carrier:
         self._line = threading.Lock()  # nobody closes a connection while the other thread sends over it
         self._broken: OSError | None = None
         self._closed = False
-        self._refused = 0
+        self._refused = self._lost = 0
         self.why: str | None = "not connected yet"
         """Reason why there is no connection; None if there is one."""
 
@@ -127,17 +136,21 @@ class Carrier:
         return self._refused + (connection.refused if connection is not None else 0)
 
     @property
-    def undelivered(self) -> dict[str, int]:
+    def undelivered(self) -> Counter[str]:
         """Datagrams of the program that were not sent over the line, by reason (`Undelivered`)."""
-        counts = dict(self._outbox.undelivered)
-        if lost := udp.kernel_drops(self._socket):
-            counts[Undelivered.OVERFLOW.value] = counts.get(Undelivered.OVERFLOW.value, 0) + lost
-        return counts
+        lost = max(self._lost, udp.kernel_drops(self._socket))  # 0 for a socket that is closed
+        return self._outbox.undelivered + Counter({Undelivered.OVERFLOW.value: lost})
 
     def start(self) -> None:
         """Start to connect."""
         self._incoming.start()
         self._outgoing.start()
+
+    def wait(self, seconds: float = _LONGEST_PAUSE_S) -> None:
+        """Wait until there is a connection, but not longer than a number of seconds."""
+        until = time.monotonic() + seconds
+        while self.why is not None and time.monotonic() < until:
+            time.sleep(_LOOK_S)
 
     def close(self) -> None:
         """Send what waits, and close the line."""
@@ -145,6 +158,7 @@ class Carrier:
         self._closed = True
         self._incoming.join(2 * _WAIT_S)  # nobody has to wait for an attempt to connect
         self._transport.close()
+        self._lost = udp.kernel_drops(self._socket)
         self._socket.close()
 
     def _run(self) -> None:
@@ -197,9 +211,35 @@ class Carrier:
                 return
             try:
                 connection.send(sealed)
+            except NotTakenError:
+                self._outbox.undelivered[Undelivered.NOT_TAKEN.value] += 1
             except OSError as error:
                 self._broken = error  # the other thread connects again
                 raise
+
+
+@contextlib.contextmanager
+def way_to(text: str, lost: Callable[[Counter[str]], None]) -> Iterator[tuple[str, int]]:
+    """Yield the IP address and port to which datagrams for ``text`` go: ``HOST:PORT``, or the address of a line.
+
+    At the end, ``lost`` gets the number of datagrams that were not sent over the line, by reason, if there are any.
+    Raises `SetupError` if the text has another form, or if there is no connection.
+    """
+    if not names_transport(text):
+        yield udp.destination_of(text)
+        return
+    with udp.bind(_LOOPBACK[socket.AF_INET], 0, _BUFFER) as sock:
+        carrier = Carrier(transport_at(text), sock)
+        carrier.start()
+        try:
+            carrier.wait()
+            if carrier.why is not None:
+                raise SetupError(f"no connection over {text}: {carrier.why}")
+            yield carrier.address[:2]
+        finally:
+            carrier.close()
+        if undelivered := +carrier.undelivered:
+            lost(undelivered)
 
 
 def _reachable(sock: socket.socket) -> SocketAddress:

@@ -19,6 +19,7 @@ from enum import Enum
 from typing import Generic, TypeVar
 
 from roverlink.runtime.core.registry import Registry
+from roverlink.runtime.core.wire_format import fields
 
 URGENT = 9
 """Least priority of the datagrams that may use the reserve: that of rows with a deadman."""
@@ -46,15 +47,26 @@ class Undelivered(str, Enum):
     """Too many datagrams waited for the line."""
     NOT_CONNECTED = "not_connected"
     """There is no connection to the end."""
+    NOT_TAKEN = "not_taken"
+    """The end did not take it, as a board on a CAN bus that is switched off."""
+    STOPPED = "stopped"
+    """The program stopped before the line was free."""
     TOO_LARGE = "too_large"
     """The transport cannot carry so many bytes, or they are more than a quarter of a second's budget."""
 
 
-def priorities_of(registry: Registry) -> dict[int, int]:
-    """Return the priority of each payload, by its number."""
+def number_of(datagram: bytes, signature: int | None) -> int:
+    """Return the number of a datagram's payload; 0 if it has none. ``signature`` is that of the signature's field."""
+    return next((field.number for field in fields(datagram) if field.number != signature), 0)
+
+
+def priority_by_number(registry: Registry) -> Callable[[int], int]:
+    """Return a function that returns the priority of a payload by its number, from 0 to `FIRST`."""
     routes = [handler.route for handler in registry.handlers]
-    link = {registry.link.number: FIRST} if registry.link is not None else {}
-    return link | {route.number: URGENT if route.deadman else route.priority for route in routes}
+    priorities = {route.number: URGENT if route.deadman else route.priority for route in routes}
+    if registry.link is not None:
+        priorities[registry.link.number] = FIRST
+    return lambda number: priorities.get(number, 0)
 
 
 class Outbox(Generic[T]):
@@ -109,6 +121,12 @@ class Outbox(Generic[T]):
         self._count -= 1
         self.sent_bytes += size
         return item
+
+    def discard(self) -> None:
+        """Discard what waits, because the program stops."""
+        for queue in self._queues:
+            while queue:
+                self._remove(queue, Undelivered.STOPPED)
 
     @property
     def next_due(self) -> float:

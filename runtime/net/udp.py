@@ -46,8 +46,6 @@ overflow its queue.
 """
 
 Batch = list[bytes]
-SourcedDatagram = tuple[bytes, bytes]
-"""A datagram with its sender's IP address, four or sixteen bytes."""
 SentDatagram = tuple[bytes, Sender]
 """A datagram with its sender's address and port."""
 
@@ -173,12 +171,6 @@ def reader(sock: socket.socket, size: int) -> Callable[[], Batch]:
     return partial(_arrived, partial(sock.recv, size, socket.MSG_DONTWAIT))
 
 
-def source_reader(sock: socket.socket, size: int) -> Callable[[], list[SourcedDatagram]]:
-    """Return a function that reads datagrams like the function from `reader`, each with the address of its sender."""
-    read = sender_reader(sock, size)
-    return lambda: [(datagram, sender.ip) for datagram, sender in read()]
-
-
 def sender_reader(sock: socket.socket, size: int) -> Callable[[], list[SentDatagram]]:
     """Return a function that reads datagrams like the function from `reader`, each with its sender."""
     receive = partial(sock.recvfrom, size, socket.MSG_DONTWAIT)
@@ -222,7 +214,7 @@ class Receiver(Generic[T]):
         """Prepare the thread, which calls ``handle`` with each batch.
 
         ``size`` is one byte more than the longest allowed datagram. ``reader`` is the function `reader`; if it is
-        `source_reader`, a batch contains the senders' addresses too.
+        `sender_reader`, a batch contains the senders, too.
         """
         self._sock = sock
         self._size = size

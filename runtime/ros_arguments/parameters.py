@@ -9,8 +9,10 @@ from typing import Any, NamedTuple
 
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.runtime.core.registry import End, EndName, Registry
+from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.text import strict_yaml
 from roverlink.runtime.text.host_names import LEARN, hosts_in
+from roverlink.transport_addresses import names_transport
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +35,8 @@ class Declaration:
     """True if the parameter cannot change while the node runs."""
     hosts: bool = False
     """True if the text is a host, several hosts with commas between them, or ``learn``."""
+    of_end: bool = False
+    """True if the hosts are those of one end alone, so that they may name another transport than UDP."""
     of_link: bool = False
     """True if only the nodes of tables with a link message have the parameter."""
 
@@ -46,9 +50,12 @@ class Declaration:
             raise SetupError(f"the parameter {name!r} is {value}; {self.limits}")
         if self.hosts:
             try:
-                hosts_in(str(value))
+                is_line = EndAddress(hosts_in(str(value)), 0).is_line
             except ValueError as error:
                 raise SetupError(f"the parameter {name!r} is {value!r}; {error}") from error
+            if is_line and not self.of_end:
+                message = f"the parameter {name!r} is {value!r}, but several ends may have this host"
+                raise SetupError(f"{message}; write `host: {value}` at one peer or board of the table")
 
 
 _FILE = Path(__file__).with_name("node_parameters.yaml")
@@ -69,9 +76,14 @@ class EndAddress(NamedTuple):
     """Hosts and UDP port of an end of the link, as its parameters set them."""
 
     hosts: tuple[str, ...]
-    """IP addresses and names of hosts, or only the word ``learn``."""
+    """IP addresses and names of hosts, or only the word ``learn``, or only the address of another transport."""
     port: int
     """UDP port; 0 if it is learned with the address."""
+
+    @property
+    def is_line(self) -> bool:
+        """True if the end has another transport than UDP."""
+        return any(map(names_transport, self.hosts))
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +134,7 @@ def _declarations_of(name: EndName, end: End) -> dict[str, Declaration]:
     )
     if not end.host:
         return {end.port_parameter: port}
-    host = replace(DECLARED["dst_ip"], default=end.host, description=f"host of {what}, {_SEVERAL}")
+    host = replace(DECLARED["dst_ip"], default=end.host, of_end=True, description=f"host of {what}, {_SEVERAL}")
     return {end.host_parameter: host, end.port_parameter: port}
 
 
@@ -173,7 +185,9 @@ def _checked(registry: Registry, given: Mapping[str, Any]) -> Parameters:
         for name, end in registry.ends.items()
     }
     for name, end in registry.ends.items():
-        if not addresses[name].port and addresses[name].hosts != (LEARN,):
+        if addresses[name].is_line:
+            transport_at(*addresses[name].hosts)  # it says if a package is not installed
+        elif not addresses[name].port and addresses[name].hosts != (LEARN,):
             message = f"the parameter {end.port_parameter!r} is 0, but {end.host_parameter!r} is not {LEARN!r}"
             raise SetupError(f"{message}; set the UDP port of {name}")
     own = {name: values.get(name, parameter.default) for name, parameter in {**DECLARED, **_OF_EVERY_NODE}.items()}

@@ -119,3 +119,24 @@ def test_what_is_sent_is_heard_until_an_interrupt(start: Start, capsys: pytest.C
     assert program.interrupt() == 0
     payloads = [json.loads(line)["payload"] for line in program.output]
     assert payloads == [{"distance_to_go": 1.5, "turning_radius": 0.0}] * 2
+
+
+def test_the_commands_speak_over_a_line(start: Start, tmp_path: Path, called: Called) -> None:
+    """A line at both ends: what `send` and a simulated peer send over it is heard by `listen`."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        line = f"tcp:127.0.0.1:{free.getsockname()[1]}"
+    program = start("listen", "--address", f"{line}?listen")
+    program.wait_for("nobody has connected")
+    assert main(["send", "imu_info", "accel_x=1.5", "--to", line]) == 0
+    program.wait_for("accel_x", program.output)
+    assert json.loads(program.output[0])["from"] == f"{line}?listen"
+    code, output, _ = called("simulate", "--peer", "hardware", "--to", line, "--seconds", "0.5")
+    assert (code, "the bridge should have counted" in output) == (0, True)
+    wait_until(lambda: len(program.output) > 20, "the simulated boards")
+    names = {json.loads(one)["name"] for one in program.output}
+    assert {REGISTRY.by_name[name].route.peer for name in names} == {"hardware"}
+    assert program.interrupt() == 0
+    code, _, errors = called("send", "imu_info", "--to", f"serial:{tmp_path}/none")
+    assert (code, errors.split(": there is no ")[1]) == (2, f"{tmp_path}/none; connect the cable")
+    code, _, errors = called("simulate", "--to", "tcp:10.0.0.7", "--seconds", "1")
+    assert (code, errors) == (2, "roverlink: 'tcp:10.0.0.7': write an address such as tcp:10.0.0.7:7000")

@@ -37,12 +37,15 @@ from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.envelope import restore
 from roverlink.runtime.core.handler import UNSTAMPED, SendLimits
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.core.signing import TICKS_PER_SECOND, Key, Signer, SigningClock
 from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.keys.key_file import make_key_file
 from roverlink.runtime.keys.signed_links import SignedLinks
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.middleware.tapping import TappedMiddleware
+from roverlink.runtime.net.carrier import Carrier
+from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.ros_arguments import parameters
 
 pytestmark = needs_native
@@ -90,6 +93,8 @@ class _Case(NamedTuple):
     observed: bool = False
     signed: bool = False
     strips: bool = False
+    line: bool = False
+    """If true, the hardware is behind TCP, and somebody else on the network sends its rows, too."""
     paced: bool = False
     """If true, one message of a row passes in ten days, on its topic and on its way to the basestation."""
 
@@ -116,6 +121,8 @@ def _registry(case: _Case) -> Any:
         changes: dict[str, Any] = _LEARN if case.guard and peer.name == "hardware" else {}
         if case.guard:
             changes = {**changes, "sources": ("127.0.0.0/8",), "source_rate": case.guard}
+        if case.line and peer.name == "hardware":
+            changes = {"host": "tcp:127.0.0.1:9", "host_parameter": "hardware_host"}
         peers.append(dataclasses.replace(peer, must_sign=case.signed, strip_trailing_zeros=case.strips, **changes))
     handlers = tuple(_handler(handler, case.paced) for handler in REGISTRY.handlers)
     number = _NUMBER if case.signed else None
@@ -223,6 +230,12 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
         keys, ends = _keys(registry, folder / str(native))
         signers = {name: links.signer(["ros"]) for name, links in ends.items()}
         datagrams = [*_signed({name: signer for name, signer in signers.items() if signer})]
+    carrier, stranger = None, socket.socket(type=socket.SOCK_DGRAM)
+    if case.line:
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            line = f"tcp:127.0.0.1:{free.getsockname()[1]}"
+        given["hardware_host"] = f"{line}?listen"
+        carrier = Carrier(transport_at(line), peers["hardware"])
     settings = parameters.read(registry, given)
     arrived: dict[str, list[bytes]] = {"pressure_info": [], _EXTRA: []}
     types = {handler.route.topic: handler.message_type for handler in (*REGISTRY.handlers, *REGISTRY.extra_topics)}
@@ -250,9 +263,17 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
             for handler, command in commands.items():
                 known += [command.has_subscribers, of_bridge[f"/{handler.route.topic}"].has_publishers]
             wait_until(lambda: all(one() for one in known), "the ends of all topics")
-            board = peers["hardware"]
-            for count, datagram in enumerate(datagrams, 1):
-                board.sendto(datagram, ("127.0.0.1", bridge.port))
+            board, place = peers["hardware"], ("127.0.0.1", bridge.port)
+            if carrier is not None:
+                for datagram in _PRESSURES:
+                    stranger.sendto(datagram, place)
+                wait_until(lambda: bridge.account.dropped["wrong_source"] == len(_PRESSURES), "the refusals")
+                carrier.start()
+                wait_until(lambda: bridge.link_states()[EndName("hardware")].state == "ok", "the line")
+                place = carrier.address  # type: ignore[assignment]
+            before = bridge.account.received
+            for count, datagram in enumerate(datagrams, before + 1):
+                board.sendto(datagram, place)
                 wait_until(lambda count=count: bridge.account.received >= count, f"{count} datagrams")  # type: ignore[misc]
                 # A publisher keeps only the last messages.
                 wait_until(lambda: _have_arrived(arrived, bridge.account), "the pressures")
@@ -270,7 +291,9 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
     for name, count in bridge.account.sent.items():
         waiting[REGISTRY.by_name[name].route.peer] += count
     sent = {name: _waiting(peers[name], count) for name, count in waiting.items()}
-    for sock in peers.values():
+    if carrier is not None:
+        carrier.close()
+    for sock in (*peers.values(), stranger):
         sock.close()
     assert not bridge.account.discrepancies()
     assert bridge.way.startswith("the native core handles all") == native, bridge.way
@@ -292,6 +315,7 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
         _Case(guard=math.inf, observed=True),
         _Case(guard=1e-6),
         _Case(paced=True, observed=True),
+        _Case(line=True),
         _Case(signed=True),
         _Case("all", signed=True),
         _Case(guard=math.inf, observed=True, signed=True, strips=True),

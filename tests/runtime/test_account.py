@@ -45,6 +45,8 @@ def _account() -> Account:
         clocks_ahead=Counter(ArmBoard=3),
         unsent=Counter(hardware=1),
         unforwarded=Counter(basestation=2),
+        undelivered=Counter({("hardware", "", "stale"): 4}),
+        damaged=Counter({("hardware", "ArmBoard"): 6}),
         link_events=Counter({("hardware", "ArmBoard", "learned"): 1, ("basestation", "", "unreachable"): 2}),
         taken=Counter(drive_motor=4, arm_ctrl=3),
         refused=Counter(arm_ctrl=1),
@@ -52,7 +54,6 @@ def _account() -> Account:
         unchanged=Counter(arm_ctrl=2),
         failed=Counter(drive_motor=1),
         stops=Counter(drive_motor=3),
-        undelivered=Counter({("basestation", "", "overflow"): 1, ("basestation", "imu_info", "over_budget"): 4}),
         withheld=Counter({("basestation", "gps_info", "superseded"): 6}),
         repeated=Counter(gps_info=2),
         budget_bytes=Counter(basestation=900),
@@ -72,12 +73,12 @@ def test_the_account_as_plain_values() -> None:
     expected |= {"dropped": {"conversion": 1, "malformed": 3}, "qos_mismatches": {"imu_data": 1}}
     expected |= {"refused": {"arm_ctrl": 1}, "failed": {"drive_motor": 1}, "superseded": {"drive_motor": 1}}
     expected |= {"unchanged": {"arm_ctrl": 2}, "repeated": {"gps_info": 2}, "budget_bytes": {"basestation": 900}}
-    expected |= {"undelivered": {"basestation overflow": 1, "basestation imu_info over_budget": 4}}
     expected |= {"withheld": {"basestation gps_info superseded": 6}}
     expected |= {"stops": {"drive_motor": 3}, "unsent": {"hardware": 1}, "unforwarded": {"basestation": 2}}
     expected |= {"link_events": {"basestation unreachable": 2, "hardware ArmBoard learned": 1}}
     expected |= {"links_received": 0, "links_sent": {}, "other_schemas": {}, "clocks_ahead": {"ArmBoard": 3}}
     expected |= {"extra_published": {"imu/mag": 4}, "extra_unpublished": {"gps/fix": 1}}
+    expected |= {"undelivered": {"hardware stale": 4}, "damaged": {"hardware ArmBoard": 6}}
     expected |= {"standing": {"generated code": "it is old"}}
     expected |= {"by_payload": {"published": {"gps_info": 1, "imu_info": 4}, "sent": {"drive_motor": 2}}}
     assert values == expected

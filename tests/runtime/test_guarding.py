@@ -231,7 +231,7 @@ def test_a_flood_of_one_board_does_not_use_up_the_others() -> None:
 
 def test_a_table_without_guards_costs_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """No thread keeps the time, and the hot path reads no addresses."""
-    monkeypatch.setattr(udp, "source_reader", lambda *_: pytest.fail("addresses are read"))
+    monkeypatch.setattr(udp, "sender_reader", lambda *_: pytest.fail("addresses are read"))
     before = [thread.name for thread in threading.enumerate()].count("timekeeper")
     with Rig() as rig:
         rig.receive(_IMU)

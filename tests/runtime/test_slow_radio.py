@@ -112,11 +112,12 @@ def test_telemetry_stays_within_the_budget_and_holds_nothing_urgent() -> None:
             rig.publish("detected_object")
             wait_until(arrived, "the command")
             delays.append(commands[-1] - began)
-        account = rig.bridge.account
+        account, lost = rig.account, rig.account.undelivered_of_row
         given = account.forwarded["basestation"] + len(delays)
-        wait_until(lambda: arrived() or len(log) + account.undelivered.total() == given, "the rest")
-        assert {row for _, row, _ in account.undelivered} == {"imu_info"}
-        assert account.forwarded["basestation"] == len(log) - len(commands) + account.undelivered.total()
+        wait_until(lambda: arrived() or len(log) + lost.total() == given, "the rest")
+        assert {row for row, _ in lost} == {"imu_info"}
+        assert {one[:2] for one in rig.bridge.account.undelivered} == {("basestation", "")}
+        assert account.forwarded["basestation"] == len(log) - len(commands) + lost.total()
         assert account.sent["detected_object"] == len(delays) == len(commands)
         assert account.budget_bytes["basestation"] == sum(len(datagram) + 28 for _, datagram in log)
         for start, _ in log:
@@ -132,7 +133,7 @@ def test_signatures_are_made_when_a_datagram_leaves(tmp_path: Path) -> None:
             rig.publish("detected_object")
         rig.receive(*[_imu(8)] * 100)
         arrived: list[bytes] = []
-        base, lost = rig.peers["basestation"], rig.account.undelivered
+        base, lost = rig.peers["basestation"], rig.account.undelivered_of_row
         wait_until(lambda: arrived.extend(waiting(base)) or len(arrived) + lost.total() == 205, "the rest")
         assert {rig.verdict("basestation", datagram) for datagram in arrived} == {"accepted"}
         assert rig.account.budget_bytes["basestation"] == sum(len(datagram) + 28 for datagram in arrived)
@@ -149,7 +150,7 @@ def test_the_stops_at_the_end_are_not_held_by_what_waits() -> None:
     arrived, stop = waiting(board), envelope(drive_motor={"distance_to_go": 1.0})
     board.close()
     assert (arrived.count(stop), rig.account.stops["drive_motor"]) == (3, 3)
-    assert len(arrived) - 3 + rig.account.undelivered["hardware", "arm_target", "over_budget"] == 40
+    assert len(arrived) - 3 + rig.account.undelivered_of_row["arm_target", "over_budget"] == 40
 
 
 @pytest.mark.parametrize(("address", "headers"), [("127.0.0.1", 28), ("::1", 48)])

@@ -3,7 +3,8 @@
 The .options files contain the table's size limits of fields, so that the firmware has buffers of these sizes.
 `nanopb_generator --options-path generated/nanopb -I proto FILE.proto` reads them. If the table has the link message,
 `roverlink_link.h` has the hash of each row's schema, and functions that fill and take link messages. If the envelope
-has a signature, the functions in C that sign and verify datagrams are there, too.
+has a signature, the functions in C that sign and verify datagrams are there, too, and if an end is on a serial line,
+those that write and read its frames.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from roverlink.generator.nanopb import as_options, options_file_of
 
 
 def emit(bridge: ir.Bridge) -> Files:
-    """Yield a .options file for each .proto file with size limits, the link message's header, and the signatures' C."""
+    """Yield a .options file for each .proto file with size limits, the link message's header, and the C of the link."""
     in_order = sorted(
         (*bridge.bounds, *_bounds_of_link(bridge)), key=lambda bound: (bound.file, bound.message, bound.field)
     )
@@ -33,8 +34,12 @@ def emit(bridge: ir.Bridge) -> Files:
             include=f"{bridge.link.file.removesuffix('.proto')}.pb.h",
             ends=list(_ends(bridge)),
         )
-    if bridge.envelope.signature is not None:
-        for path in sorted(shipped("cpp").glob("c/*")):
+    parts = {
+        "framing": any(end.host.startswith("serial:") for peer in bridge.peers for end in peer.ends),
+        "signing": bridge.envelope.signature is not None,
+    }
+    for part in (part for part, is_used in parts.items() if is_used):
+        for path in sorted(shipped("cpp").glob(f"c/roverlink_{part}.*")):
             mark = header(f"roverlink's cpp/c/{path.name}", "//")
             yield f"generated/nanopb/{path.name}", f"{mark}\n\n{path.read_text(encoding='utf-8')}"
 

@@ -11,6 +11,7 @@ from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.node_parameters import node_parameters
 from roverlink.generator.table import LEARN, EndSettings, Row
 from roverlink.suggestions import nearest
+from roverlink.transport_addresses import names_transport
 
 
 class UnknownPeer(LintRule, id="TAB103"):
@@ -207,9 +208,11 @@ class AddressTaken(LintRule, id="TAB114"):
                 for host in settings.hosts or ("",):
                     if host == LEARN:
                         continue
-                    first, place = seen.setdefault((_canonical(host), end.port), (name, settings))
+                    is_line = names_transport(host)
+                    where = f"port {end.port} of {host or 'the host in the parameter dst_ip'}"
+                    where = f"the line {host}" if is_line else where
+                    first, place = seen.setdefault((_canonical(host), 0 if is_line else end.port), (name, settings))
                     if place is not settings:
-                        where = f"port {end.port} of {host or 'the host in the parameter dst_ip'}"
                         message = f"{name!r} and {first!r} both have {where}"
                         key = "port" if "port" in settings.spans else "host"
                         also = [(place.at(key), f"the address of {first!r}")]
@@ -217,7 +220,12 @@ class AddressTaken(LintRule, id="TAB114"):
 
 
 def _canonical(host: str) -> str:
-    """Return one spelling for each host: names have no capitals, and IPv6 has many spellings of one address."""
+    """Return one spelling for each host: names have no capitals, and IPv6 has many spellings of one address.
+
+    Lines differ by what they are and not by their settings, but one CAN bus has many pairs of ids.
+    """
+    if names_transport(host):
+        return host if host.startswith("can:") else host.partition("?")[0]
     try:
         return str(ip_address(host))
     except ValueError:
@@ -414,3 +422,30 @@ class AddressBesideBoards(LintRule, id="TAB119"):
                         "; every board has parameters of its own" if key == "parameter" else ", or write it at a board"
                     )
                     yield cls.at(peer.at(key), message, f"remove `{key}`{other}")
+
+
+class LineBesideOtherHosts(LintRule, id="TAB120"):
+    """A peer or a board has a line, such as a serial one, and also other hosts.
+
+    What comes over the line of an end is believed, and nothing else is. So an end with a line has this line as its only
+    host.
+
+    Bad::
+
+        peers:
+          hardware: {host: ["serial:/dev/ttyACM0", 192.168.0.21]}
+
+    Good::
+
+        peers:
+          hardware: {host: "serial:/dev/ttyACM0"}
+    """
+
+    @classmethod
+    def check(cls, context: Context) -> Iterator[Diagnostic]:
+        """Yield a diagnostic for each peer or board that has a line and another host."""
+        for peer in context.table.peers:
+            for settings, end in peer.ends:
+                if len(settings.hosts) > 1 and (lines := list(filter(names_transport, settings.hosts))):
+                    message = f"{lines[0]!r} stands beside other hosts of {end.name!r}"
+                    yield cls.at(settings.at("host"), message, f"write `host: {lines[0]}`, or list only other hosts")

@@ -38,6 +38,7 @@ from roverlink.console import (
     counted,
     documented_command,
     print_note,
+    print_undelivered,
     project_folder,
     rate,
     seconds,
@@ -49,7 +50,7 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.rosgraph_msgs import Clock
 from roverlink.runtime.middleware import Middleware, open_middleware
-from roverlink.runtime.net import udp
+from roverlink.runtime.net.carrier import way_to
 
 if TYPE_CHECKING:
     from roverlink.runtime.recording.playback import Playback
@@ -130,7 +131,7 @@ def run(arguments: argparse.Namespace) -> int:
         ticks: list[Tick] = []
         if arguments.role == "board":
             replay: BoardReplay | RosReplay = BoardReplay(recording, registry)
-            send = _to_bridge(udp.destination_of(arguments.to), stack)
+            send = _to_bridge(stack.enter_context(way_to(arguments.to, print_undelivered)), stack)
         else:
             wanted = {topic if topic.startswith("/") else f"/{topic}" for topic in arguments.topic}
             replay = ros = RosReplay(recording, registry, wanted, arguments.commands)

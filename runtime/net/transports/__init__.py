@@ -11,6 +11,10 @@ from roverlink.runtime.core.errors import SetupError
 from roverlink.transport_addresses import transport_address
 
 
+class NotTakenError(OSError):
+    """An end has not taken a datagram. The line still works."""
+
+
 class Connection(Protocol):
     """Working line to an end. One thread may receive while another one sends."""
 
@@ -27,7 +31,7 @@ class Connection(Protocol):
     def send(self, datagram: bytes) -> None:
         """Send a datagram, and return when the line has taken it: the next datagram would not wait long.
 
-        Raises `OSError` if the line is gone.
+        Raises `NotTakenError` if the end does not take it, and another `OSError` if the line is gone.
         """
 
     def close(self) -> None:
@@ -55,9 +59,12 @@ class Transport(Protocol):
 def transport_at(host: str) -> Transport:
     """Return the transport of a host for which `names_transport` is true.
 
-    Raises `ValueError` if the address is wrong, and `SetupError` if a package for this transport is not installed.
+    Raises `SetupError` if the address is wrong, or if a package for this transport is not installed.
     """
-    address = transport_address(host)
+    try:
+        address = transport_address(host)
+    except ValueError as error:
+        raise SetupError(f"{host!r}: {error}") from error
     # A bridge without serial lines must not need pyserial.
     if address.kind == "serial":
         from roverlink.runtime.net.transports.serial import SerialTransport
@@ -67,4 +74,6 @@ def transport_at(host: str) -> Transport:
         from roverlink.runtime.net.transports.tcp import TcpTransport
 
         return TcpTransport(host, address)
-    raise SetupError(f"{host!r}: CAN is not built in yet")
+    from roverlink.runtime.net.transports.can import CanTransport
+
+    return CanTransport(host, address)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import glob
 import os
 import select
@@ -48,9 +49,11 @@ class SerialTransport:
             try:
                 return SerialConnection(self._serial, path, self._baud, self.largest)
             except OSError as error:
-                failure = OSError(f"{path}: {os.strerror(error.errno) if error.errno else error}")
+                is_taken = error.errno in (errno.EAGAIN, errno.EBUSY)
+                why = "another program uses it" if is_taken else os.strerror(error.errno) if error.errno else str(error)
+                failure = OSError(error.errno or errno.EIO, f"{path}: {why}")
             except ValueError as error:  # a baud rate that the driver does not have
-                failure = OSError(f"{path}: {error}")
+                failure = OSError(errno.EINVAL, f"{path}: {error}")
         raise failure
 
     def close(self) -> None:

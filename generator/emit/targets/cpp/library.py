@@ -8,7 +8,7 @@ from roverlink.generator.emit.targets.cpp import cpp_names
 from roverlink.generator.emit.targets.cpp.cpp_files import FOLDER, CppFile
 from roverlink.generator.emit.targets.cpp.handlers import handlers_of
 
-_COPIED = ("CMakeLists.txt", "c/*.[ch]", "cmake/*.cmake", "include/**/*.hpp", "src/*.cpp")
+_COPIED = ("CMakeLists.txt", "c/roverlink_signing.[ch]", "cmake/*.cmake", "include/**/*.hpp", "src/*.cpp")
 
 
 def emit(bridge: ir.Bridge) -> Files:
