@@ -88,9 +88,9 @@ class Ends:
         signed = {peer.name for peer in registry.peers if peer.must_sign}
 
         def outbox_of(end: EndName) -> Outbox[bytes]:
-            return (
-                Outbox() if end.peer in signed else Outbox(lambda one: priority_of(number_of(one, registry.signature)))
-            )
+            if end.peer in signed:
+                return Outbox()
+            return Outbox(lambda datagram: priority_of(number_of(datagram, registry.signature)))
 
         self._steered = {
             name: _Steering(
