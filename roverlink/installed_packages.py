@@ -19,6 +19,7 @@ _PACKAGES = {
     "yaml": "pyyaml",
     "lz4": "mcap",
     "prometheus_client": "prometheus-client",
+    "serial": "pyserial",
     "zstandard": "mcap",
 }
 """Packages that roverlink imports, by the first part of a module's name."""
@@ -29,6 +30,7 @@ EXTRAS = {
     "pyarrow": "parquet",
     "rosbags": "standard",
     "nanopb": "nanopb",
+    "pyserial": "serial",
 }
 """Extras of roverlink's package, by the package that each one installs."""
 

@@ -25,7 +25,7 @@ class Cable:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._board, program = pty.openpty()
+        self.board, program = pty.openpty()
         tty.setraw(program)
         self._program = program  # as long as one program has the other end open, a pseudo-terminal does not hang up
         self._bytes = b""
@@ -34,7 +34,7 @@ class Cable:
     def write(self, data: bytes) -> None:
         """Send bytes as the board does."""
         while data:
-            data = data[os.write(self._board, data) :]
+            data = data[os.write(self.board, data) :]
 
     def send(self, *datagrams: bytes) -> None:
         """Send datagrams as the board does."""
@@ -43,8 +43,8 @@ class Cable:
     def receive(self) -> bytes:
         """The next datagram that the program has sent to the board."""
         while b"\0" not in self._bytes.lstrip(b"\0"):
-            assert select.select([self._board], [], [], PATIENCE_S)[0], "nothing comes over the cable"
-            self._bytes += os.read(self._board, 4096)
+            assert select.select([self.board], [], [], PATIENCE_S)[0], "nothing comes over the cable"
+            self._bytes += os.read(self.board, 4096)
         frame, _, self._bytes = self._bytes.lstrip(b"\0").partition(b"\0")
         decoded = bytes(cobs.decode(frame))
         assert framed(decoded[:-2]) == frame + b"\0"
@@ -52,12 +52,12 @@ class Cable:
 
     def read(self, most: int) -> bytes:
         """Bytes that the program has sent, at most so many; nothing if there are none."""
-        return os.read(self._board, most) if select.select([self._board], [], [], 0)[0] else b""
+        return os.read(self.board, most) if select.select([self.board], [], [], 0)[0] else b""
 
     def pull(self) -> None:
         """Pull the cable: the device file disappears."""
         self.path.unlink(missing_ok=True)
-        for end in (self._program, self._board):
+        for end in (self._program, self.board):
             os.close(end)
 
 

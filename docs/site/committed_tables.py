@@ -26,10 +26,11 @@ from roverlink.nodes.installed import declared_nodes
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkEvent
 from roverlink.runtime.core.errors import Reason
+from roverlink.runtime.net.outbox import Undelivered
 from roverlink.runtime.ros_arguments import parameters
 
 ROOT = Path(__file__).parents[2]
-_CLASSES: dict[str, type] = {"counters": Account, "reasons": Reason, "events": LinkEvent}
+_CLASSES: dict[str, type] = {"counters": Account, "reasons": Reason, "events": LinkEvent, "undelivered": Undelivered}
 _TABLE = re.compile(
     rf"^<!-- (?P<what>keys|parameters|topics|{'|'.join(_CLASSES)})(?:: (?P<names>[^\n]*))? -->\n.*?^<!-- end -->$",
     re.MULTILINE | re.DOTALL,

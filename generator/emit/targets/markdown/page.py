@@ -11,6 +11,7 @@ from roverlink.generator.emit import extra_topic_text
 from roverlink.generator.emit.targets.markdown.examples import Example, Examples
 from roverlink.generator.emit.targets.markdown.payloads import Payload, Payloads, Value, cell
 from roverlink.generator.ir.msg_types import msg_type
+from roverlink.transport_addresses import names_transport
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +89,11 @@ class Page:
     def names_hosts(self) -> bool:
         """True if the table names the host of a peer or of a board."""
         return any(end.host for peer in self.bridge.peers for end in peer.ends)
+
+    @staticmethod
+    def port_of(end: ir.End) -> str:
+        """Return the UDP port of a peer or of a board, or why it has none."""
+        return "none" if names_transport(end.host) else str(end.port or "learned")
 
 
 def page(bridge: ir.Bridge) -> Page:
