@@ -73,7 +73,9 @@ class Project:
             "topic": row.topic,
             "direction": row.direction,
             "peer": self._peer(row.peer),
-            "forward": [self._peer(name) for name in row.forward],
+            "forward": [{**self._peer(one.peer), "limits": _text_of(one.limits)} for one in row.forward_settings],
+            "send": _text_of(row.send.limits) if row.send else None,
+            "priority": row.priority,
             "qos": {
                 "reliability": route.qos.reliability,
                 "durability": route.qos.durability,
@@ -134,7 +136,13 @@ class Project:
 
     def _peer(self, name: str) -> dict[str, Any]:
         peer = self.context.table.peers_by_name()[name]
-        return {"name": name, "parameter": peer.parameter, "port": peer.port, "max_size": peer.max_size}
+        return {
+            "name": name,
+            "parameter": peer.parameter,
+            "port": peer.port,
+            "max_size": peer.max_size,
+            "budget": peer.budget,
+        }
 
     def _size(self, row: Row) -> dict[str, Any]:
         """Return the largest encoded sizes of the payload and of the envelope in bytes, as nanopb computes them.
@@ -220,3 +228,7 @@ class Project:
         data = envelope.SerializeToString(deterministic=True)
         lines = [line._asdict() for line in wire_lines(data, envelope.DESCRIPTOR)]
         return {"bytes": data.hex(), "lines": lines, "missing": None}
+
+
+def _text_of(limits: ir.SendLimits) -> str | None:
+    return limits.text if limits != ir.SendLimits() else None

@@ -143,7 +143,11 @@ def _print_row(said: dict[str, Any]) -> None:
     _line("topic", f"{said['topic']} ({', '.join(_qos(said['qos']))})")
     _line("direction", f"{said['direction']}; {_peer(peer)}")
     for target in said["forward"]:
-        _line("forwarded", f"raw to {_peer(target)}")
+        _line("forwarded", "; ".join(filter(None, (f"raw to {_peer(target)}", target["limits"]))))
+    if said["send"]:
+        _line("sent", said["send"])
+    if said["priority"]:
+        _line("priority", str(said["priority"]))
     _line("size", _size(said["size"], peer))
     for translation in said["translation"]:
         _line("translated", _translation(translation))
@@ -182,7 +186,8 @@ def _qos(qos: dict[str, Any]) -> list[str]:
 
 
 def _peer(peer: dict[str, Any]) -> str:
-    return f"{peer['name']} (UDP port: parameter {peer['parameter']}, default {peer['port']})"
+    budget = f"; budget: {peer['budget'] / 1000:g} kB/s" if peer["budget"] else ""
+    return f"{peer['name']} (UDP port: parameter {peer['parameter']}, default {peer['port']}{budget})"
 
 
 def _size(size: dict[str, Any], peer: dict[str, Any]) -> str:
