@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bench import bridging, conversion, generation, history, linting, signing, starting, watching, whole_rover
+from bench import bridging, conversion, generation, history, lines, linting, signing, starting, watching, whole_rover
 from bench.contestants import FINDERS, ROOT
 from bench.errors import BenchError
 from bench.lab import Lab, prepare
@@ -22,6 +22,7 @@ SECTIONS: dict[str, Callable[[Lab], SectionResult]] = {
     "watching": watching.measure,
     "conversion": conversion.measure,
     "signing": signing.measure,
+    "lines": lines.measure,
     "generation": generation.measure,
     "linting": linting.measure,
     "history": history.measure,

@@ -13,9 +13,11 @@ from pathlib import Path
 
 _PACKAGES = {
     **{name: name for name in ("argcomplete", "black", "jinja2", "mcap", "pyarrow", "rich", "rosbags")},
+    "can": "python-can",
     "foxglove": "foxglove-sdk",
     "google": "protobuf",
     "grpc_tools": "grpcio-tools",
+    "isotp": "can-isotp",
     "yaml": "pyyaml",
     "lz4": "mcap",
     "prometheus_client": "prometheus-client",
@@ -31,6 +33,7 @@ EXTRAS = {
     "rosbags": "standard",
     "nanopb": "nanopb",
     "pyserial": "serial",
+    "python-can": "can",
 }
 """Extras of roverlink's package, by the package that each one installs."""
 

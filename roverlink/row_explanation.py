@@ -23,6 +23,7 @@ from roverlink.generator.protos.schema import ProtoField
 from roverlink.generator.table import Row
 from roverlink.runtime.core.errors import RoverlinkError
 from roverlink.runtime.native.core import open_core
+from roverlink.transport_addresses import largest_datagram, names_transport
 from roverlink.wire_dump import wire_lines
 
 _NUMBER = re.compile("[0-9]{1,9}")  # the largest field number, 536870911, has nine digits
@@ -72,7 +73,7 @@ class Project:
             "ros": self._ros(route),
             "topic": row.topic,
             "direction": row.direction,
-            "peer": self._peer(row.peer),
+            "peer": self._peer(row.peer, self.context.table.board_of(row)),
             "forward": [{**self._peer(one.peer), "limits": _text_of(one.limits)} for one in row.forward_settings],
             "send": _text_of(row.send.limits) if row.send else None,
             "priority": row.priority,
@@ -134,14 +135,17 @@ class Project:
     def _proto(self, file: str) -> str:
         return shown(self.context.table.proto.root, file)
 
-    def _peer(self, name: str) -> dict[str, Any]:
+    def _peer(self, name: str, board: str = "") -> dict[str, Any]:
+        """Return the facts about a peer, and about the line to it, or to a board of it, if it has one."""
         peer = self.context.table.peers_by_name()[name]
+        lines = [end.host for _, end in peer.ends if end.name in (name, board) and names_transport(end.host)]
         return {
             "name": name,
             "parameter": peer.parameter,
             "port": peer.port,
             "max_size": peer.max_size,
             "budget": peer.budget,
+            "line": {"host": lines[0], "largest_datagram": largest_datagram(lines[0])} if lines else None,
         }
 
     def _size(self, row: Row) -> dict[str, Any]:

@@ -75,6 +75,11 @@ def names_transport(host: str) -> bool:
     return bool(colon) and kind in KINDS
 
 
+def largest_datagram(host: str) -> int:
+    """Return the size in bytes of the largest datagram that the transport of a host carries."""
+    return KINDS[host.partition(":")[0]].largest if names_transport(host) else LARGEST_DATAGRAM
+
+
 def transport_address(host: str) -> TransportAddress:
     """Return the parts of an address for which `names_transport` is true. Raises `ValueError` with the reason."""
     word, _, rest = host.partition(":")

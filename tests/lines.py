@@ -27,7 +27,8 @@ class Cable:
         self.path = path
         self.board, program = pty.openpty()
         tty.setraw(program)
-        self._program = program  # as long as one program has the other end open, a pseudo-terminal does not hang up
+        # As long as the test has both ends open, a pseudo-terminal does not hang up.
+        self._ends = [self.board, program]
         self._bytes = b""
         path.symlink_to(os.ttyname(program))
 
@@ -55,10 +56,10 @@ class Cable:
         return os.read(self.board, most) if select.select([self.board], [], [], 0)[0] else b""
 
     def pull(self) -> None:
-        """Pull the cable: the device file disappears."""
+        """Pull the cable: the device file disappears. May be repeated."""
         self.path.unlink(missing_ok=True)
-        for end in (self._program, self.board):
-            os.close(end)
+        while self._ends:
+            os.close(self._ends.pop())
 
 
 @contextlib.contextmanager
@@ -66,5 +67,4 @@ def cable(path: Path) -> Iterator[Cable]:
     """A cable, which is pulled at the end."""
     plugged = Cable(path)
     yield plugged
-    with contextlib.suppress(OSError):
-        plugged.pull()
+    plugged.pull()

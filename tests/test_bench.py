@@ -14,7 +14,18 @@ import pytest
 from needs import NO_AV, NO_OPENCV
 
 ROOT = Path(__file__).parents[1]
-SECTIONS = {"bridging", "starting", "rover", "watching", "conversion", "signing", "generation", "linting", "history"}
+SECTIONS = {
+    "bridging",
+    "starting",
+    "rover",
+    "watching",
+    "conversion",
+    "signing",
+    "lines",
+    "generation",
+    "linting",
+    "history",
+}
 
 
 def _contestants(tmp_path: Path, programs: str) -> set[tuple[str, str]]:

@@ -299,8 +299,9 @@ class EndSettings(Part):
         Meaning(
             "Default of the node's parameter `<peer>_host`: an IP address, a name, or a list of them, each of which "
             "gets all datagrams. `learn` is the source of the peer's last valid datagram. A multicast group is an "
-            "address as well. A serial line or a TCP connection is one host: `serial:/dev/ttyACM0?baud=921600`, "
-            "`tcp:10.0.0.7:7000`, `tcp:0.0.0.0:7000?listen`.",
+            "address as well. A serial line, a TCP connection or a CAN bus is one host: "
+            "`serial:/dev/ttyACM0?baud=921600`, `tcp:10.0.0.7:7000`, `tcp:0.0.0.0:7000?listen`, "
+            "`can:can0?send=0x101&receive=0x102`.",
             default="the host in the parameter `dst_ip`",
             see="operations.md#addresses-of-peers-and-boards",
         ),

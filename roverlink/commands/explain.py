@@ -187,6 +187,8 @@ def _qos(qos: dict[str, Any]) -> list[str]:
 
 def _peer(peer: dict[str, Any]) -> str:
     budget = f"; budget: {peer['budget'] / 1000:g} kB/s" if peer["budget"] else ""
+    if line := peer["line"]:
+        return f"{peer['name']} ({line['host']}{budget})"
     return f"{peer['name']} (UDP port: parameter {peer['parameter']}, default {peer['port']}{budget})"
 
 
@@ -194,6 +196,7 @@ def _size(size: dict[str, Any], peer: dict[str, Any]) -> str:
     if size["payload"] is None:
         return f"unbounded: {size['unbounded']}"
     limit = f"; {peer['name']} accepts at most {peer['max_size']} bytes" if peer["max_size"] else ""
+    limit += f"; its line carries at most {line['largest_datagram']}" if (line := peer["line"]) else ""
     return f"at most {size['payload']} bytes, {size['envelope']} in the envelope, computed as nanopb does{limit}"
 
 

@@ -86,7 +86,8 @@ class PeerEnd(ABC):
         - ``link``: exchange link messages with the bridge, if the table has them. See `link`.
 
         Raises `SetupError` for an unknown peer or board, or if a key is missing, and `RegistryError` if there is no
-        generated code. Entering the block raises `SetupError` if the host does not resolve or the port is in use.
+        generated code. Entering the block raises `SetupError` if the host does not resolve or the port is in use. It
+        waits up to two seconds for the connection of a line; without one, `send` raises `OSError` until there is one.
         """
         registry = registry or load_registry()
         end = EndName(peer, board)

@@ -6,12 +6,14 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from needs import NO_OPENCV, needs_dds, needs_native
+from needs import NO_CAN, NO_OPENCV, needs_dds, needs_native
 from page import ROOT, Reader, blocks
 
 _NEEDS_OPENCV = pytest.mark.skipif(not find_spec("cv2"), reason=NO_OPENCV)
+_NEEDS_CAN = pytest.mark.skipif(not all(map(find_spec, ("can", "isotp", "msgpack"))), reason=NO_CAN)
 _SECTIONS = [
     pytest.param("docs/adding-a-message.md", "", marks=[needs_dds, needs_native]),
+    pytest.param("docs/can.md", "Try it without hardware", marks=[needs_dds, needs_native, _NEEDS_CAN]),
     pytest.param("README.md", "Add a message", marks=[needs_dds, needs_native]),
     pytest.param("rover/README.md", "Example", marks=_NEEDS_OPENCV),
     pytest.param("rover/docs/driving.md", "Try it", marks=[needs_dds, needs_native]),

@@ -20,11 +20,13 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from bridge_rig import QUIET, Rig, end, envelope, of_peers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from polling import wait_until
 
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.net import transports
 from roverlink.runtime.net.carrier import Carrier
 from roverlink.runtime.net.transports import Connection, NotTakenError, transport_at
@@ -190,6 +192,23 @@ def test_a_board_that_is_switched_off_costs_a_counted_datagram(monkeypatch: pyte
             assert (carrier.undelivered, carrier.why, changes) == ({"not_taken": 1}, None, [""])
 
 
+def test_a_board_on_can_in_a_bridge() -> None:
+    """Its datagrams reach topics and other peers, a command reaches it, and nobody on the network speaks for it."""
+    place = next(_places)
+    imu = envelope(imu_info={"accel_z": 9.81, "is_calibrated": True, "gyro_x": 1.5})
+    with (
+        closing(transport_at(_board(place, _CLASSIC)).connect()) as board,
+        Rig(of_peers(QUIET, hardware=end("hw", _address(place, _CLASSIC)))) as rig,
+    ):
+        wait_until(lambda: rig.bridge.link_states()[EndName("hardware")].state == "ok", "the bus")
+        rig.receive(imu)
+        board.send(imu)
+        wait_until(lambda: rig.on_topic["imu_data"], "a message")
+        assert rig.arrived("basestation", at_least=1) == [imu]
+        assert [rig.publish("drive_motor")] == _received(board, 1)
+        assert rig.bridge.account.dropped == {"wrong_source": 1}
+
+
 _ECHO = """
 import contextlib, sys
 from roverlink.runtime.net.transports import NotTakenError, transport_at
@@ -315,7 +334,7 @@ def test_the_kernels_isotp_is_used_where_it_is(monkeypatch: pytest.MonkeyPatch) 
 )
 def test_a_wrong_address_is_refused_with_a_reason(host: str, reason: str) -> None:
     """Each mistake in an address of CAN has a line of its own."""
-    with pytest.raises(ValueError, match=reason.replace("?", r"\?")):
+    with pytest.raises(SetupError, match=reason.replace("?", r"\?")):
         transport_at(host)
 
 

@@ -19,11 +19,17 @@ from hypothesis import strategies as st
 from lines import Cable, cable, framed
 from polling import PATIENCE_S, wait_until
 
+from generated.registry import REGISTRY
+from roverlink.heard_bridges import state_of
+from roverlink.link_judgement import conditions_of
 from roverlink.runtime import Registry
 from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.client import BlockingPeer, Peer
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.registry import End, EndName
+from roverlink.runtime.monitoring import prometheus
+from roverlink.runtime.monitoring.diagnostic_array import array_of
+from roverlink.runtime.monitoring.monitor import Monitor
 from roverlink.runtime.net.carrier import Carrier
 from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.net.transports.framing import DelimitedReader, FrameReader, decode_frame, delimited, encode_frame
@@ -93,7 +99,7 @@ def test_tcp_has_the_lengths_of_protobuf(sent: list[bytes], piece: int) -> None:
         ("serial:/dev/x?", "write an address"),
         ("tcp:10.0.0.7", "write an address such as tcp:10.0.0.7:7000"),
         ("tcp:10.0.0.7:0", "write an address"),
-        ("can:can0?send=1", "it lacks the option 'receive'"),
+        ("can:can0?send=0x1", "it lacks the option 'receive'"),
         ("serial:/dev/x,10.0.0.1", "cannot stand beside other hosts"),
     ],
 )
@@ -143,6 +149,19 @@ def test_a_board_on_a_serial_port(plugged: Cable) -> None:
         assert _state(rig) == LinkState((name,), "ok")
         assert rig.bridge.account.damaged == {("hardware", ""): 1}
         assert rig.bridge.account.as_dict()["undelivered"] == {}
+        text = prometheus.text_of(Monitor("bridge", rig.registry, rig.bridge).state())
+        assert 'roverlink_damaged_total{board="",peer="hardware"} 1.0' in text
+
+
+def test_the_stops_leave_before_the_line_closes(plugged: Cable) -> None:
+    """A bridge that ends tells the board three times to stop, and the line takes all of them."""
+    hardware = {"host": f"serial:{plugged.path}", "host_parameter": "hw_host"}
+    with Rig(of_peers(REGISTRY, hardware=hardware)) as rig:
+        _is_connected(rig)
+        command = rig.publish("drive_motor", rig.registry.by_name["drive_motor"].payload_type(distance_to_go=1))
+        wait_until(lambda: rig.account.sent["drive_motor"], "the command")
+    sent = FrameReader(1000).take(plugged.read(65_536))
+    assert sent[sent.index(command) :].count(envelope(drive_motor={})) >= 3
 
 
 def test_a_cable_that_comes_back_under_another_name(tmp_path: Path, plugged: Cable) -> None:
@@ -154,6 +173,10 @@ def test_a_cable_that_comes_back_under_another_name(tmp_path: Path, plugged: Cab
         wait_until(lambda: f"there is no {tmp_path}/ttyACM*" in _state(rig).fault, "the reason")
         rig.publish("drive_motor")
         assert rig.bridge.account.unsent == {"hardware": 1}
+        state = state_of(array_of(Monitor("bridge", rig.registry, rig.bridge).state(), 0, {}))
+        assert state is not None
+        told = conditions_of(state)["link hardware"]
+        assert told.text == f"hardware gets no commands: there is no {tmp_path}/ttyACM*; connect the cable"
         with cable(tmp_path / "ttyACM1") as other:
             _is_connected(rig)
             other.send(_IMU)

@@ -11,6 +11,7 @@ from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.nanopb import Bounds, Unbounded, envelope_size, field_sizes, largest_size
 from roverlink.generator.protos.schema import ProtoMessage, Schema
 from roverlink.generator.table import PeerSettings, Row
+from roverlink.transport_addresses import largest_datagram
 
 _HELP_BOUND = (
     "set max_length (string), max_size (bytes) or max_count (repeated) in a .options file beside the .proto file"
@@ -94,11 +95,7 @@ class EnvelopeTooLarge(LintRule, id="FIX102"):
         if bounds is None:
             return
         peers = table.peers_by_name()
-        for row in table.rows:
-            payload = largest_size(schema, bounds, row.proto) if row.proto in schema.messages else None
-            if not isinstance(payload, int):
-                continue  # FIX101 reports a payload without a bound
-            size = envelope_size(schema, bounds, table.envelope.message, row.number, payload)
+        for row, size in _envelope_sizes(context, bounds):
             for peer in (peers[name] for name in (row.peer, *row.forward) if name in peers):
                 if peer.max_size is not None and size > peer.max_size:
                     largest = _largest_fields(row, schema, bounds)
@@ -117,11 +114,59 @@ class EnvelopeTooLarge(LintRule, id="FIX102"):
                     yield cls.of_row(table, link, table.at("link"), f"{message} {peer.max_size}", help, also)
 
 
+def _envelope_sizes(context: Context, bounds: Bounds) -> Iterator[tuple[Row, int]]:
+    """Yield each row with the size of its largest envelope, if it has a limit; FIX101 reports the others."""
+    table, schema = context.table, context.schema
+    for row in table.rows:
+        payload = largest_size(schema, bounds, row.proto) if row.proto in schema.messages else None
+        if isinstance(payload, int):
+            yield row, envelope_size(schema, bounds, table.envelope.message, row.number, payload)
+
+
 def _largest_fields(row: Row, schema: Schema, bounds: Bounds) -> str:
     first, *more = field_sizes(schema, bounds, row.proto)[:3] or [("nothing", 0)]
     return ", ".join(
         [f"the largest parts are {first[0]!r} ({first[1]} bytes)", *(f"{name!r} ({size})" for name, size in more)]
     )
+
+
+class EnvelopeTooLargeForTransport(LintRule, id="FIX105"):
+    """An envelope can become larger than the transport to its peer or board carries.
+
+    A datagram has at most 65,507 bytes over UDP and TCP, 4096 over a serial line, and 4095 over CAN. The bridge drops
+    and counts a larger one.
+
+    Bad::
+
+        peers:
+          board: {host: "can:can0?send=0x101&receive=0x102"}
+        # note.options
+        Note.text max_length:5000
+
+    Good::
+
+        # note.options
+        Note.text max_length:4000
+    """
+
+    @classmethod
+    def check(cls, context: Context) -> Iterator[Diagnostic]:
+        """Yield a diagnostic for each row and each end that gets or sends it, if the transport is too small."""
+        if context.bounds is None:
+            return
+        peers = context.table.peers_by_name()
+        for row, size in _envelope_sizes(context, context.bounds):
+            board = context.table.board_of(row)
+            for peer in (peers[name] for name in (row.peer, *row.forward) if name in peers):
+                for settings, end in peer.ends:
+                    is_of_row = peer.name != row.peer or not peer.boards or end.name == board
+                    largest = min(map(largest_datagram, settings.hosts or ("",)))
+                    if is_of_row and size > largest:
+                        message = f"envelopes with {row.name!r} have up to {size} bytes"
+                        message = f"{message}; the transport to {end.name!r} carries at most {largest}"
+                        help = "lower a limit in the .options file, or split the message"
+                        also = [(settings.at("host"), "the transport is named here")] if settings.hosts else []
+                        yield cls.of_row(context.table, row, "proto", message, help, also)
 
 
 _LAST_SHORT = 15

@@ -36,7 +36,7 @@ class CanTransport:
     largest = KINDS["can"].largest
 
     def __init__(self, name: str, address: TransportAddress) -> None:
-        """Raise `ValueError` if nobody knows the kind of bus, and `SetupError` if python-can is not installed."""
+        """Raise `SetupError` if nobody knows the kind of bus, or if python-can is not installed."""
         self.name = name
         options = address.options
         self._place, self._bus = address.place, options.get("bus", "socketcan")
@@ -51,7 +51,7 @@ class CanTransport:
             try:
                 from roverlink.runtime.net.transports import can_bus  # here: the kernel's ISO-TP needs no package
             except ImportError as error:
-                command = "pip install 'python-can[serial]' can-isotp"
+                command = "pip install python-can pyserial can-isotp"
                 raise SetupError(f"CAN needs python-can and can-isotp; install them with `{command}`") from error
             can_bus.check_bus(name, self._bus)
 

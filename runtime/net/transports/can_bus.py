@@ -10,6 +10,7 @@ from typing import Any
 import can
 import isotp
 
+from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net.transports import NotTakenError
 from roverlink.suggestions import nearest
 from roverlink.transport_addresses import CanId
@@ -40,9 +41,9 @@ _DAMAGES = (
 
 
 def check_bus(name: str, bus: str) -> None:
-    """Raise `ValueError` if python-can does not know the kind of ``bus`` in the address ``name``."""
+    """Raise `SetupError` if python-can does not know the kind of ``bus`` in the address ``name``."""
     if bus not in can.VALID_INTERFACES:
-        raise ValueError(f"{name!r}: python-can has no bus {bus!r}; {nearest(bus, sorted(can.VALID_INTERFACES))}")
+        raise SetupError(f"{name!r}: python-can has no bus {bus!r}; {nearest(bus, sorted(can.VALID_INTERFACES))}")
 
 
 def opened_bus(kind: str, place: str, receive: CanId, fd: bool, bitrate: int | None) -> can.BusABC:

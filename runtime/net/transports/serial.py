@@ -6,6 +6,7 @@ import errno
 import glob
 import os
 import select
+import termios
 import time
 from types import ModuleType
 
@@ -52,7 +53,7 @@ class SerialTransport:
                 is_taken = error.errno in (errno.EAGAIN, errno.EBUSY)
                 why = "another program uses it" if is_taken else os.strerror(error.errno) if error.errno else str(error)
                 failure = OSError(error.errno or errno.EIO, f"{path}: {why}")
-            except ValueError as error:  # a baud rate that the driver does not have
+            except (ValueError, termios.error) as error:  # a baud rate that the driver does not have, or a file
                 failure = OSError(errno.EINVAL, f"{path}: {error}")
         raise failure
 
@@ -83,7 +84,11 @@ class SerialConnection:
         if not self._poll.poll(timeout * 1000):
             return []
         # Not by pyserial: it takes two system calls more for the same bytes.
-        if not (received := os.read(self._device.fileno(), _CHUNK)):
+        try:
+            received = os.read(self._device.fileno(), _CHUNK)
+        except BlockingIOError:
+            return []
+        if not received:
             raise OSError("the device is gone")
         return self._reader.take(received)
 
