@@ -241,7 +241,13 @@ def _peer(
         "resting": [row["name"] for row in own if _stop_of(row) == "REST"],
         "forwarded": node.get(f"forwarded.{name}", 0),
         "unsent": node.get(f"unsent.{name}", 0),
+        "budget_text": _budget_text(node.get(f"budget.{name}"), node.get(f"budget_used.{name}", 0)),
     }
+
+
+def _budget_text(budget: float | None, used: float) -> str:
+    """Return what is sent of a budget, both in bytes a second, as text; empty without a budget."""
+    return "" if budget is None else f"{used / 1000:.1f} of {budget / 1000:g} kB/s sent"
 
 
 def _end(name: str, rows: list[dict[str, Any]]) -> dict[str, Any]:

@@ -75,7 +75,9 @@ class Project:
             "topic": row.topic,
             "direction": row.direction,
             "peer": self._peer(row.peer, self.context.table.board_of(row)),
-            "forward": [self._peer(name) for name in row.forward],
+            "forward": [{**self._peer(one.peer), "limits": _text_of(one.limits)} for one in row.forward_settings],
+            "send": _text_of(row.send.limits) if row.send else None,
+            "priority": row.priority,
             "request": self._request(route),
             "qos": {
                 "reliability": route.qos.reliability,
@@ -146,6 +148,7 @@ class Project:
             "parameter": peer.parameter,
             "port": peer.port,
             "max_size": peer.max_size,
+            "budget": peer.budget,
             "line": {"host": lines[0], "largest_datagram": largest_datagram(lines[0])} if lines else None,
         }
 
@@ -250,3 +253,7 @@ class Project:
         data = envelope.SerializeToString(deterministic=True)
         lines = [line._asdict() for line in wire_lines(data, envelope.DESCRIPTOR)]
         return {"bytes": data.hex(), "lines": lines, "missing": None}
+
+
+def _text_of(limits: ir.SendLimits) -> str | None:
+    return limits.text if limits != ir.SendLimits() else None

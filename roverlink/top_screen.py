@@ -240,12 +240,13 @@ def _header(state: dict[str, Any], label: str, width: int) -> list[Text]:
         lines.append(Text(_plain(recording + node["recording"])))
     received = f"datagrams received: {node['received']} ({node['received_rate']:.1f}/s)"
     sent = f"forwarded: {_named(node, 'forwarded.')}; send errors: {_named(node, 'unsent.')}"
-    for text in ("undelivered", "damaged"):
+    for text in ("undelivered", "damaged", "withheld"):
         sent += f"; {text}: {counts}" if (counts := _named(node, f"{text}.", none="")) else ""
     buffer = _share(node["socket_waiting_bytes"], node["socket_size_bytes"])
     p50, p99 = _microseconds(node.get("handling_p50_us")), _microseconds(node.get("handling_p99_us"))
     lines.append(Text(_plain(f"rows: {_levels(row['verdict'] for row in state['rows'])}; {received}")))
     lines.append(Text(_plain(sent)))
+    lines += [Text(_plain(f"{peer['name']}: {peer['budget_text']}")) for peer in state["peers"] if peer["budget_text"]]
     lines.append(Text(f"receive buffer: {buffer}; time to handle datagrams: p50 {p50}, p99 {p99}"))
     return lines
 

@@ -31,6 +31,7 @@ _SUBJECTS = {
     "PIN": "pinned commits",
     "PLG": "plugins of nodes",
     "PRO": "reading the protos",
+    "RAD": "budgets of slow links",
     "RET": "editing the table",
     "ROS": "names in ROS 2",
     "SAF": "deadmen, rates, sources and signatures",

@@ -50,6 +50,5 @@ def named_extra_topics(bridge: ir.Bridge) -> list[NamedExtraTopic]:
 
 
 def _on_topic(route: ir.Route, standard: StandardTopic) -> ir.Route:
-    return dataclasses.replace(
-        route, topic=standard.topic, qos=standard.qos, forward=(), deadman=None, max_rate=None, expect_rate=None
-    )
+    own = dataclasses.replace(route, topic=standard.topic, qos=standard.qos)
+    return dataclasses.replace(own, forward=(), forward_limits=(), deadman=None, max_rate=None, expect_rate=None)

@@ -11,6 +11,7 @@ from roverlink.generator.table.parts import object_of
 from roverlink.generator.table.value_types import (
     AnyOf,
     Boolean,
+    DataRate,
     Duration,
     Integer,
     Key,
@@ -76,7 +77,7 @@ class _Schemas:
         schema: dict[str, Any] = {"type": "array", "items": self.of(type.item)}
         if type.least:
             schema["minItems"] = type.least
-        if isinstance(type.item, Text) and type.unique:
+        if isinstance(type.item, (Text, AnyOf)) and type.unique:
             schema["uniqueItems"] = True
         return schema
 
@@ -111,7 +112,7 @@ def _names(type: MapOf) -> dict[str, Any]:
     return {"pattern": f"^({type.key.pattern})$"} if type.key.pattern else {}
 
 
-def _scalar(type: Text | Integer | Boolean | Number | Duration | Scalar) -> dict[str, Any]:
+def _scalar(type: Text | Integer | Boolean | Number | Duration | DataRate | Scalar) -> dict[str, Any]:
     if isinstance(type, Integer):
         return {"type": "integer", "minimum": type.minimum, "maximum": type.maximum}
     if isinstance(type, Boolean):

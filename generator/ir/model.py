@@ -106,6 +106,8 @@ class Peer(End):
     """Largest number of datagrams per second that is accepted from each address of the peer; None for no limit."""
     max_size: int | None = None
     """Largest envelope in bytes that the peer can receive or send; None for no limit."""
+    budget: int | None = None
+    """Most bytes that are sent to the peer in a second, with the headers of IP and UDP; None for no limit."""
     must_sign: bool = False
     """True if datagrams from and to the peer must be signed."""
     boards: tuple[End, ...] = ()
@@ -328,6 +330,25 @@ class Request:
 
 
 @dataclass(frozen=True, slots=True)
+class SendLimits:
+    """SendLimits of the messages of a row that are sent to a peer; without values, all are sent."""
+
+    max_rate: int | None = None
+    """Largest number of messages per second."""
+    on_change: bool = False
+    """True if a payload is sent only if it is not the last one that was sent."""
+    at_least_ms: int | None = None
+    """Time in milliseconds without a datagram after which the last one is sent again."""
+
+    @property
+    def text(self) -> str:
+        """The limits in words: ``at most 5 messages a second, only changes, again after 1000 ms``."""
+        rate = f"at most {self.max_rate} messages a second" if self.max_rate else ""
+        again = f"again after {self.at_least_ms} ms" if self.at_least_ms else ""
+        return ", ".join(filter(None, (rate, "only changes" if self.on_change else "", again))) or "all messages"
+
+
+@dataclass(frozen=True, slots=True)
 class StandardTopic:
     """Topic with a standard message of ROS 2, and the conversion between this message and the payload."""
 
@@ -401,6 +422,10 @@ class Route:
     """Largest number of messages per second that the bridge passes on; None for no limit."""
     size: WireSize | None = None
     priority: int = 0
+    send: SendLimits | None = None
+    """SendLimits of what is sent to the row's peer; None if the table has none."""
+    forward_limits: tuple[tuple[str, SendLimits], ...] = ()
+    """SendLimits of what is forwarded to other peers, each with the peer's name."""
     expect_rate: int | None = None
     """Smallest number of messages per second that is expected; below it, diagnostics warn. None for no check."""
     standard: StandardTopic | None = None

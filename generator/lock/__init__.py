@@ -22,6 +22,7 @@ from roverlink.generator.lock.ledger_text import render, render_accepted, schema
 from roverlink.generator.lock.row_settings import (
     DEADMAN,
     EXTRA_TOPIC,
+    FORWARD,
     LIMITS,
     REQUESTS,
     RowSettings,
@@ -35,6 +36,7 @@ __all__ = [
     "ACCEPTED_NAME",
     "DEADMAN",
     "EXTRA_TOPIC",
+    "FORWARD",
     "LIMITS",
     "NAME",
     "REQUESTS",

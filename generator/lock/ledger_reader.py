@@ -13,7 +13,7 @@ from roverlink.generator.git import Repository
 from roverlink.generator.ledger_names import LEDGER as NAME
 from roverlink.generator.lock.ledger import Burned, Entry, Ledger, PastUse, Settled, checksum
 from roverlink.generator.lock.ledger_rules import BrokenLedger, DeletedLedger, EditedLedger, UnreadableLedger
-from roverlink.generator.lock.row_settings import AMOUNTS, EXTRA_TOPIC, REQUESTS, Setting
+from roverlink.generator.lock.row_settings import AMOUNTS, EXTRA_TOPIC, FORWARD, REQUESTS, Setting
 from roverlink.generator.protos.schema import ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage, Schema
 
 _CONFLICT_END = ">>>>>>>"
@@ -26,7 +26,7 @@ _ENTRY = re.compile(
 )
 _SETTING = re.compile(
     rf"  (?P<number>[0-9]{{1,9}}) (?P<proto>{_TYPE}) "
-    rf"(?:(?P<measure>{'|'.join(AMOUNTS)}): (?P<amount>[0-9]{{1,9}}(?:ms)?)"
+    rf"(?:(?P<measure>{'|'.join(AMOUNTS)}|{FORWARD}[a-z]\w* (?:max_rate|at_least)): (?P<amount>[0-9]{{1,9}}(?:ms)?)"
     rf"|(?P<key>direction|ros|qos|forward|deadman send|{'|'.join(REQUESTS)}"
     rf"|{EXTRA_TOPIC}\S+?(?: qos)?): (?P<text>.+))"
 )

@@ -17,11 +17,13 @@ from roverlink.generator.ir import Qos
 from roverlink.generator.table import Row, StandardTopicSettings, Table
 
 DEADMAN = ("deadman after", "deadman repeat", "deadman send")
-LIMITS = ("expect_rate", "max_rate", "priority")
+LIMITS = ("expect_rate", "max_rate", "priority", "at_least")
 AMOUNTS = (*DEADMAN[:2], *LIMITS)
 """Keys of settings that are numbers. The times have the unit ``ms``."""
 REQUESTS = ("request", "request service")
 """Keys of the settings of a request: its response with the field, on which peers rely, and its service."""
+FORWARD = "forward "
+"""Start of the keys of a forward's limits, which are numbers, too: ``forward basestation max_rate``."""
 EXTRA_TOPIC = "also "
 """Start of the keys of an extra topic: ``also imu/data`` for its type, ``also imu/data qos`` for its QoS."""
 
@@ -80,6 +82,14 @@ def _settings(row: Row, package: str) -> Iterator[tuple[str, Setting]]:
     for key, limit in zip(LIMITS, (row.expect_rate, row.max_rate, row.priority)):
         if limit:
             yield key, Setting(str(limit), row.at(key))
+    if row.send and row.send.at_least_ms:
+        yield "at_least", Setting(f"{row.send.at_least_ms}ms", row.send.at("at_least"))
+    for forward in row.forward_settings:
+        if forward.max_rate:
+            yield f"{FORWARD}{forward.peer} max_rate", Setting(str(forward.max_rate), forward.at("max_rate"))
+        if forward.at_least_ms:
+            key, text = f"{FORWARD}{forward.peer} at_least", f"{forward.at_least_ms}ms"
+            yield key, Setting(text, forward.at("at_least"))
 
 
 def _qos(qos: Qos) -> str:

@@ -122,6 +122,8 @@ def _route(
         max_rate=row.max_rate,
         size=size,
         priority=row.priority,
+        send=row.send.limits if row.send else None,
+        forward_limits=tuple((one.peer, one.limits) for one in row.forward_settings if one.limits != ir.SendLimits()),
         expect_rate=row.expect_rate,
         standard=standard,
         extra_topics=extra_topics,
@@ -147,6 +149,7 @@ def _peer(peer: PeerSettings) -> ir.Peer:
         sources=peer.sources,
         source_rate=peer.source_rate,
         max_size=peer.max_size,
+        budget=peer.budget,
         must_sign=peer.sign == "required",
         boards=ends if peer.boards else (),
     )

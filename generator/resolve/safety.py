@@ -14,6 +14,7 @@ from roverlink.generator.resolve.safety_rules import (
     MisplacedGuard,
     RateSlowerThanDeadman,
     RateWithoutSources,
+    SendWithDeadman,
     SignWithoutSigning,
     StopValue,
     UnknownStopField,
@@ -31,7 +32,7 @@ _LONGEST_NUMBER = 40  # characters
 def deadman(row: Row, schema: Schema, report: Callable[[Diagnostic], None]) -> ir.Deadman | None:
     """Return the deadman of a row: the payload that the bridge sends to a peer when the row's topic is silent too long.
 
-    Reports mistakes in the row's safety settings: deadman, rate limit and priority.
+    Reports mistakes in the row's safety settings: deadman, limits and priority.
     """
     for finding in (*_misplaced(row), *_too_slow(row)):
         report(finding)
@@ -55,7 +56,9 @@ def check_peers(table: Table) -> Iterator[Diagnostic]:
 
 
 def _misplaced(row: Row) -> Iterator[Diagnostic]:
-    outgoing = [key for key in ("deadman", "priority") if key in row.spans]
+    outgoing = [key for key in ("deadman", "send", "priority") if key in row.spans]
+    if row.inbound and row.forward and "priority" in outgoing:
+        outgoing.remove("priority")
     if row.inbound and outgoing:
         keys, one = " and ".join(f"`{key}`" for key in outgoing), len(outgoing) == 1
         message = (
@@ -72,6 +75,13 @@ def _misplaced(row: Row) -> Iterator[Diagnostic]:
         yield MisplacedGuard.at(
             row.at("deadman"), message, "remove `also` or `deadman`; only one topic should command the peer"
         )
+    if not row.inbound and row.also and row.send:
+        message = f"{row.name!r} has extra topics under `also`, so `send` could repeat the old message of another topic"
+        yield MisplacedGuard.at(row.at("send"), message, "remove `also` or `send`")
+    if row.send and row.deadman:
+        message = f"{row.name!r} has `send`, so its topic may be silent, but `deadman` then stops the peer"
+        also = [(row.at("deadman"), "the deadman is here")]
+        yield SendWithDeadman.at(row.at("send"), message, "remove `send` or `deadman`", also)
 
 
 def _too_slow(row: Row) -> Iterator[Diagnostic]:

@@ -6,11 +6,13 @@ from roverlink.generator.diagnostics import Rule
 
 
 class MisplacedGuard(Rule, id="SAF101"):
-    """A row has `deadman` or `priority`, but its direction or its extra topics do not allow the setting.
+    """A row has `deadman`, `send` or `priority`, but its direction or its extra topics do not allow the setting.
 
-    `deadman` is the payload that stops a peer when the row's topic is silent. `priority` is the order in which messages
-    to peers are sent. Both settings are for topics that are sent to a peer, so a row from a peer cannot use them. If a
-    row to a peer has extra topics under `also`, `deadman` would stop the peer while one of the topics is still active.
+    `deadman` is the payload that stops a peer when the row's topic is silent. `send` says which messages are sent.
+    `priority` is the order in which messages to peers are sent. These settings are for topics that are sent to a peer,
+    so a row from a peer cannot use them, except for `priority` of a row with `forward`. If a row to a peer has extra
+    topics under `also`, `deadman` would stop the peer while one of the topics is still active, and `send` would repeat
+    the old message of another topic.
 
     Bad::
 
@@ -115,4 +117,31 @@ class SignWithoutSigning(Rule, id="SAF106"):
 
         peers: {board: {sign: required}}
         signing: {number: 22}
+    """
+
+
+class SendWithDeadman(Rule, id="SAF107"):
+    """A row has both `send` and `deadman`.
+
+    With `send`, a command that does not change is not sent, or the last one is sent again when the topic is silent. The
+    deadman does the opposite: it stops the peer when the topic is silent.
+
+    Bad::
+
+        - number: 1
+          name: drive
+          proto: Drive
+          topic: drive
+          direction: ros_to_board
+          send: {on_change: true}
+          deadman: {after: 500ms, send: {x: 0}}
+
+    Good::
+
+        - number: 1
+          name: drive
+          proto: Drive
+          topic: drive
+          direction: ros_to_board
+          deadman: {after: 500ms, send: {x: 0}}
     """

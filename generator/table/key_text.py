@@ -9,6 +9,7 @@ from roverlink.generator.table.parts import Part
 from roverlink.generator.table.value_types import (
     AnyOf,
     Boolean,
+    DataRate,
     Duration,
     Integer,
     Key,
@@ -33,6 +34,9 @@ def keys_below(type: Type, path: str = "") -> Iterator[tuple[str, Key]]:
             below = f"{path}.{name}" if path else name
             yield below, key
             yield from keys_below(key.type, below)
+    elif isinstance(type, AnyOf):
+        for form in type.forms:
+            yield from keys_below(form, path)
     elif isinstance(type, ListOf):
         yield from keys_below(type.item, f"{path}[]")
     elif isinstance(type, MapOf):
@@ -68,6 +72,8 @@ def holds(type: Type) -> str:
         return f"{type.minimum} to {type.maximum}" if type.minimum < type.maximum else str(type.minimum)
     if isinstance(type, Duration):
         return f"time, `{_duration(type.minimum)}` to `{_duration(type.maximum)}`"
+    if isinstance(type, DataRate):
+        return f"rate of data, `{type.minimum // 1000} kB/s` to `{type.maximum // 1_000_000} MB/s`"
     if isinstance(type, AnyOf):
         return _alternatives([holds(form) for form in type.forms])
     if isinstance(type, ListOf):
@@ -80,6 +86,8 @@ def holds(type: Type) -> str:
 
 
 def _plural(type: Type) -> str:
+    if isinstance(type, AnyOf):
+        return _alternatives([_plural(form) for form in type.forms])
     found = holds(type)
     return f"{found}es" if found.endswith("s") else f"{found}s"
 

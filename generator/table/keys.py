@@ -20,13 +20,14 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 from roverlink.datagram_size import LARGEST_DATAGRAM
 from roverlink.generator.diagnostics import Span
 from roverlink.generator.ir import LINK_MEMBER, LINK_MESSAGE
-from roverlink.generator.ir.model import End, Qos
+from roverlink.generator.ir.model import End, Qos, SendLimits
 from roverlink.generator.ir.protobuf_facts import LARGEST_FIELD_NUMBER
 from roverlink.generator.ir.ros_names import camel_case, snake_case
-from roverlink.generator.table.parts import NAME, NOT_EMPTY, Form, Part
+from roverlink.generator.table.parts import NAME, NOT_EMPTY, Form, Part, build, object_of
 from roverlink.generator.table.value_types import (
     AnyOf,
     Boolean,
+    DataRate,
     Duration,
     Integer,
     Key,
@@ -112,9 +113,8 @@ ProtoName = Annotated[str, Text("message name", _DOTTED, "SensorBoardIMUInfo")]
 EnumName = Annotated[str, Text("enum name", _DOTTED, "SensorBoardIMUInfo")]
 FieldPath = Annotated[str, Text("field path", _DOTTED, "gps_sensor_1")]
 FieldName = Annotated[str, Text("field name", r"[A-Za-z_][A-Za-z0-9_]*", "imu_info")]
-PeerName = Annotated[
-    str, Text("peer name", r"(?!ros$|.*_to_)[a-z][a-z0-9_]*", "hardware (ros and names with _to_ are reserved)")
-]
+_PEER = Text("peer name", r"(?!ros$|.*_to_)[a-z][a-z0-9_]*", "hardware (ros and names with _to_ are reserved)")
+PeerName = Annotated[str, _PEER]
 """Pattern of a peer's name.
 
 ``ros`` and names with ``_to_`` are excluded, so that a direction such as ``a_to_ros`` has only one reading.
@@ -134,6 +134,7 @@ Depth = Annotated[int, Integer(1, 1_000_000)]
 Rate = Annotated[int, Integer(1, 1_000_000)]
 Size = Annotated[int, Integer(1, LARGEST_DATAGRAM)]
 SilenceMs = Annotated[int, Duration(10, 3_600_000)]
+Budget = Annotated[int, DataRate(1_000, 1_000_000_000)]
 
 # --- sources of a standard message's fields ---
 
@@ -412,6 +413,17 @@ class PeerSettings(EndSettings):
         ),
     ] = None
 
+    budget: Annotated[
+        Budget | None,
+        Meaning(
+            "Most data that the bridge sends to this peer in a second: all datagrams with their UDP and IP headers, "
+            "which have 28 bytes (IPv4) or 48 bytes (IPv6). If more is to be sent, rows with a larger `priority` go "
+            "first, and the oldest datagrams of the lowest priority are dropped and counted.",
+            default="no limit",
+            see="basestation.md#a-slow-radio",
+        ),
+    ] = None
+
     sign: Annotated[
         Literal["required"] | None,
         Meaning(
@@ -556,6 +568,50 @@ class RequestSettings(Part):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SendSettings(Part):
+    """Settings under `send`: the messages of a topic that are sent to the peer."""
+
+    on_change: Annotated[
+        bool, Meaning("If true, a message is sent only if its payload is not the one that was sent last.")
+    ] = False
+    at_least_ms: Annotated[
+        SilenceMs | None,
+        Meaning(
+            "Longest time in which nothing is sent, such as `1s`. Then the last message is sent again, also if no new "
+            "one comes.",
+            key="at_least",
+        ),
+    ] = None
+
+    @property
+    def limits(self) -> SendLimits:
+        """SendLimits of what is sent."""
+        return SendLimits(on_change=self.on_change, at_least_ms=self.at_least_ms)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForwardSettings(SendSettings):
+    """Item of `forward` that limits what a peer gets."""
+
+    peer: Annotated[PeerName, Meaning("The peer that also gets the envelope.")]
+    max_rate: Annotated[
+        Rate | None,
+        Meaning(
+            "Largest number of messages per second that this peer gets. A message that comes too early waits for its "
+            "time, and a newer message replaces it."
+        ),
+    ] = None
+
+    @property
+    def limits(self) -> SendLimits:
+        """SendLimits of what is forwarded."""
+        return SendLimits(max_rate=self.max_rate, on_change=self.on_change, at_least_ms=self.at_least_ms)
+
+
+_FORWARD = AnyOf((_PEER, object_of(ForwardSettings)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class QosSettings(Part):
     """Quality of service (QoS) of a topic."""
 
@@ -692,10 +748,21 @@ class Row(StandardTopicSettings):
             key="any",
         ),
     ] = field(default_factory=dict)
-    forward: Annotated[
-        tuple[PeerName, ...],
-        Meaning("Other peers that also get the envelope. Only for rows from a peer."),
+    forwards: Annotated[
+        tuple[Annotated[Form, _FORWARD], ...],
+        Meaning(
+            "Other peers that also get the envelope: names, or mappings that limit what a peer gets. Only for rows "
+            "from a peer.",
+            see="basestation.md#a-slow-radio",
+            key="forward",
+        ),
     ] = ()
+    send: Annotated[
+        SendSettings | None,
+        Meaning(
+            "The messages that are sent, if not all are. Only for rows to a peer.", see="basestation.md#a-slow-radio"
+        ),
+    ] = None
     bounds: Annotated[
         Mapping[FieldPath, Bound],
         Meaning(
@@ -737,7 +804,10 @@ class Row(StandardTopicSettings):
     priority: Annotated[
         int,
         Integer(0, 9),
-        Meaning("Order in which messages to peers are sent: 9 first. Only for rows to a peer."),
+        Meaning(
+            "Order in which messages to peers are sent: 9 first. Only for rows to a peer, and for rows with `forward`: "
+            "there it is the order within the `budget` of a peer, in which a row with `deadman` counts as 9."
+        ),
     ] = 0
     lint: Annotated[
         tuple[Lowered, ...],
@@ -763,6 +833,23 @@ class Row(StandardTopicSettings):
     def standard_topics(self) -> tuple[StandardTopicSettings, ...]:
         """Settings of each topic of the row with a standard message: its own topic, if it has one, and extra topics."""
         return (self.standard, *self.also) if self.standard else self.also
+
+    @property
+    def forward_settings(self) -> tuple[ForwardSettings, ...]:
+        """Settings of each peer under `forward`."""
+        return tuple(
+            (
+                build(ForwardSettings, form)
+                if form.entries is not None
+                else ForwardSettings(span=form.span, spans={"peer": form.span}, peer=str(form.value))
+            )
+            for form in self.forwards
+        )
+
+    @property
+    def forward(self) -> tuple[str, ...]:
+        """Names of the peers under `forward`."""
+        return tuple(settings.peer for settings in self.forward_settings if settings.peer)
 
     @property
     def renames(self) -> dict[str, str]:

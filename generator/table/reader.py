@@ -8,11 +8,11 @@ from pathlib import Path
 from posixpath import normpath
 from string import ascii_lowercase
 
-from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError
+from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span
 from roverlink.generator.ir import ros_names
 from roverlink.generator.table.keys import LEARN, PeerSettings, Row, StandardTopicSettings, Table
 from roverlink.generator.table.parts import Form, build, object_of
-from roverlink.generator.table.reading_rules import ConflictingKeys, WrongType
+from roverlink.generator.table.reading_rules import BadValue, ConflictingKeys, WrongType
 from roverlink.generator.table.yaml_items import read_form, read_text
 
 _FIRST_PORT = 6000
@@ -36,13 +36,20 @@ def parse(text: str, file: str, findings: list[Diagnostic]) -> Table:
         raise DiagnosticsError(findings)
     # The numbers of rows with mistakes count as used: a next number must not be theirs.
     table = build(Table, form, file=file, whole=len(findings) == before, numbers=frozenset(_numbers(form)))
-    rows = tuple(replace(row, ros=row.ros or ros_names.camel_case(row.proto.rpartition(".")[2])) for row in table.rows)
+    rows = tuple(map(_completed, table.rows))
     mistakes = [mistake for row in rows for mistake in _mistakes(row)]
     findings += mistakes
     # One spelling for each folder, because paths of files are compared: `./proto/` is `proto`.
     proto = replace(table.proto, root=normpath(table.proto.root) if table.proto.root else "")
     whole = table.whole and not mistakes
     return replace(table, whole=whole, proto=proto, peers=tuple(_with_ports(table.peers)), rows=rows)
+
+
+def _completed(row: Row) -> Row:
+    """Return a row with the default of `ros`, and with the places of the peers under `forward`."""
+    places = {f"forward.{forward.peer}": forward.at("peer") for forward in row.forward_settings}
+    ros = row.ros or ros_names.camel_case(row.proto.rpartition(".")[2])
+    return replace(row, ros=ros, spans={**row.spans, **places})
 
 
 def _numbers(table: Form) -> Iterator[int]:
@@ -79,6 +86,12 @@ def _mistakes(row: Row) -> Iterator[Diagnostic]:
     """Yield a diagnostic for each key of a row that contradicts another key of the row."""
     for standard in (row, *row.also):
         yield from _conflicting_depths(standard)
+    first: dict[str, Span] = {}
+    for forward in row.forward_settings:
+        span = forward.at("peer")
+        if (before := first.setdefault(forward.peer, span)) is not span and forward.peer:
+            message, also = f"`forward` contains {forward.peer!r} twice", [(before, "first here")]
+            yield BadValue.at(span, message, "keep one of the two", also)
     if row.standard is None:
         yield from _forms_of_standard_messages(row)
 

@@ -66,6 +66,30 @@ class Duration:
 
 
 @dataclass(frozen=True, slots=True)
+class DataRate:
+    """Type of a YAML value: a rate of data such as ``200 kB/s`` or ``2 Mbit/s``. The `Table` has it in bytes a second.
+
+    k is 1,000 and M is 1,000,000.
+    """
+
+    minimum: int
+    """Smallest allowed rate in bytes a second; `maximum` is the largest."""
+    maximum: int
+
+    pattern = r"([1-9][0-9]{0,9}) ?([kM]?)(B|bit)/s"
+
+    def read(self, text: str) -> int | None:
+        """Return the text of a rate in bytes a second; None if it is not a rate of whole bytes, or is out of range."""
+        found = re.fullmatch(self.pattern, text)
+        bits = (
+            int(found[1]) * {"": 1, "k": 1_000, "M": 1_000_000}[found[2]] * (8 if found[3] == "B" else 1)
+            if found
+            else 0
+        )
+        return bits // 8 if bits % 8 == 0 and self.minimum <= bits // 8 <= self.maximum else None
+
+
+@dataclass(frozen=True, slots=True)
 class Scalar:
     """Type of a YAML value: a number, a text, ``true`` or ``false``. It is kept as text, and a later step checks it."""
 
@@ -143,4 +167,4 @@ class Named:
     definition: Callable[[], AnyOf] = field(compare=False)
 
 
-Type = Text | Integer | Boolean | Number | Duration | Scalar | ListOf | MapOf | Object | AnyOf | Named
+Type = Text | Integer | Boolean | Number | Duration | DataRate | Scalar | ListOf | MapOf | Object | AnyOf | Named

@@ -21,6 +21,7 @@ from roverlink.generator.table.reading_rules import BadValue, SurprisingScalar, 
 from roverlink.generator.table.value_types import (
     AnyOf,
     Boolean,
+    DataRate,
     Duration,
     Integer,
     ListOf,
@@ -47,6 +48,7 @@ _KINDS: dict[type, str] = {
     Number: "a number",
     Boolean: "true or false",
     Duration: "a time",
+    DataRate: "a rate of data",
     Scalar: "a number, a text, true or false",
 }
 
@@ -116,6 +118,8 @@ class ScalarReader:
             value = self._number(node, subject)
         elif isinstance(type, Duration):
             value = self._duration(node, type, subject)
+        elif isinstance(type, DataRate):
+            value = self._data_rate(node, type, subject)
         elif isinstance(type, Scalar):
             value = self._as_written(node, subject)
         else:
@@ -170,6 +174,16 @@ class ScalarReader:
             help = "write a whole number with its unit, such as 500ms or 2s"
             self.findings.append(BadValue.at(self.span(node), message, help))
         return milliseconds
+
+    def _data_rate(self, node: ScalarNode, type: DataRate, subject: str) -> int | None:
+        rate = type.read(node.value)
+        if rate is None:
+            allowed = f"from {type.minimum // 1000} kB/s to {type.maximum // 1_000_000} MB/s"
+            help = "write a whole number with its unit, such as 200 kB/s or 2 Mbit/s"
+            self.findings.append(
+                BadValue.at(self.span(node), f"{subject} is {node.value!r}; it must be {allowed}", help)
+            )
+        return rate
 
     def _as_written(self, node: ScalarNode, subject: str) -> str | None:
         if node.tag == _NULL:

@@ -87,6 +87,7 @@ class Loop {
     uint32_t n_handed_over = 0;
     bool is_urgent = false;  // no later datagram may be handled before those that are handed over
     uint64_t forward[RL_BURST] = {};
+    const rl_row *rows[RL_BURST] = {};
     size_t sizes[RL_BURST] = {};  // of the envelopes to forward: a datagram may have more or fewer zeros at its end
     const rl_datagram *datagrams;
     uint32_t size;
@@ -148,6 +149,7 @@ class Loop {
         continue;
       }
       burst.forward[index] = row->forward;
+      burst.rows[index] = row;
       burst.sizes[index] = envelope_size_;
       add(row->handled, 1);
       ++handled_;
@@ -251,7 +253,7 @@ class Loop {
       rl_topic &topic = bridge_.topics[row.first_topic + index];
       uint8_t *const message = messages_.get() + used;
       const Turn turn = topic.pacer == nullptr ? Turn::PASSES : offer(*topic.pacer, message, size);
-      if (turn == Turn::WAITS) waiting_[n_waiting_++] = row.first_topic + index;
+      if (turn == Turn::WAITS && n_waiting_ < RL_BURST) waiting_[n_waiting_++] = row.first_topic + index;
       if (turn != Turn::PASSES) {
         // Python publishes it, or a newer one.
       } else if ((to_write >> index & 1) == 0 || write(topic, message, size)) {
@@ -381,7 +383,12 @@ class Loop {
         if (burst.sizes[other] == 0 || !(as_they_are || (burst.forward[other] >> index & 1))) continue;
         chosen[count] = burst.datagrams[other];
         if (!as_they_are) chosen[count].size = burst.sizes[other];
-        ++count;
+        rl_pacer *const *const pacers = as_they_are ? nullptr : burst.rows[other]->forward_pacers;
+        const Turn turn = pacers == nullptr || pacers[index] == nullptr
+                              ? Turn::PASSES
+                              : offer(*pacers[index], chosen[count].data, chosen[count].size);
+        if (turn == Turn::WAITS && n_waiting_ < RL_BURST) waiting_[n_waiting_++] = burst.rows[other]->first_topic;
+        count += turn == Turn::PASSES;
       }
       for (uint32_t done = 0; done < count;) {
         const int socket = load(*destination.socket);
@@ -423,7 +430,7 @@ class Loop {
   uint32_t n_touched_ = 0;
   uint32_t unpublished_[WRITES] = {};
   uint32_t n_unpublished_ = 0;
-  uint32_t waiting_[RL_BURST] = {};  // of a row, only its own topic has a pacer
+  uint32_t waiting_[RL_BURST] = {};  // whose row has a message or a datagram that waits: one call wakes Python
   uint32_t n_waiting_ = 0;
   rl_bucket *bucket_ = nullptr;  // of the sender of the datagram
   Sender senders_[SENDERS] = {};

@@ -144,7 +144,11 @@ def _print_row(said: dict[str, Any]) -> None:
     _line("topic", f"{said['topic']} ({', '.join(_qos(said['qos']))})")
     _line("direction", f"{said['direction']}; {_peer(peer)}")
     for target in said["forward"]:
-        _line("forwarded", f"raw to {_peer(target)}")
+        _line("forwarded", "; ".join(filter(None, (f"raw to {_peer(target)}", target["limits"]))))
+    if said["send"]:
+        _line("sent", said["send"])
+    if said["priority"]:
+        _line("priority", str(said["priority"]))
     for text in _request(said["request"]):
         _line("request", text)
     _line("size", _size(said["size"], peer))
@@ -195,9 +199,10 @@ def _qos(qos: dict[str, Any]) -> list[str]:
 
 
 def _peer(peer: dict[str, Any]) -> str:
+    budget = f"; budget: {peer['budget'] / 1000:g} kB/s" if peer["budget"] else ""
     if line := peer["line"]:
-        return f"{peer['name']} ({line['host']})"
-    return f"{peer['name']} (UDP port: parameter {peer['parameter']}, default {peer['port']})"
+        return f"{peer['name']} ({line['host']}{budget})"
+    return f"{peer['name']} (UDP port: parameter {peer['parameter']}, default {peer['port']}{budget})"
 
 
 def _size(size: dict[str, Any], peer: dict[str, Any]) -> str:

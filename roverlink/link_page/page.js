@@ -409,7 +409,8 @@ function showPeers() {
     (made, peer) => {
       const [end, stop, rest, boards] = made.children;
       const unsent = peer.unsent ? `; ${peer.unsent} not sent` : "";
-      showEnd(end, peer, `${rateText(peer.rate_in)} in, ${rateText(peer.rate_out)} out${unsent}`);
+      const budget = peer.budget_text ? `; ${peer.budget_text}` : "";
+      showEnd(end, peer, `${rateText(peer.rate_in)} in, ${rateText(peer.rate_out)} out${unsent}${budget}`);
       setPart(stop, peer.stopping.length ? `■ told to stop: ${peer.stopping.join(", ")}` : "");
       setPart(rest, peer.resting.length ? `■ at rest, no command yet: ${peer.resting.join(", ")}` : "");
       boards.hidden = !peer.boards.length;
@@ -488,7 +489,7 @@ function showTotals() {
     ["receive buffer", node.socket_size_bytes ? `${Math.round((100 * node.socket_waiting_bytes) / node.socket_size_bytes)} % full` : "–"],
     ["handling, 99 %", node.handling_p99_us === undefined ? "–" : `under ${node.handling_p99_us} µs`],
   ];
-  for (const [name, prefix] of [["not delivered", "undelivered."], ["damaged", "damaged."]])
+  for (const [name, prefix] of [["not delivered", "undelivered."], ["damaged", "damaged."], ["withheld", "withheld."]])
     if (namesOf(node, prefix)) facts.push([name, namesOf(node, prefix)]);
   if (node.recording !== undefined)
     facts.push(["recording", `${node.recording}: ${(node.recording_bytes / 1e6).toFixed(1)} MB, ${node.recording_lost} lost`]);

@@ -114,6 +114,10 @@ class RunTotals:
         yield f"  {sum(account['stops'].values()):>12} stop datagrams, because a topic was silent (deadman)"
         if links := sum(account["links_sent"].values()):
             yield f"  {links:>12} link messages"
+        if repeated := sum(account["repeated"].values()):
+            yield f"  {repeated:>12} once more, for want of a new one (at_least) or of a response (request)"
+        if undelivered := sum(account["undelivered"].values()):
+            yield f"  {-undelivered:>12} that did not leave: {', '.join(account['undelivered'])}"
         for end, rows in account["other_schemas"].items():
             yield f"{end} has another schema of {', '.join(rows)}"
         if self.memory:
@@ -172,12 +176,13 @@ class RunTotals:
 def sent_to_peers(account: dict[str, Any]) -> int:
     """Return how many datagrams the bridge has sent to peers, by its account."""
     alone = sum(sum(account[name].values()) for name in ("stops", "links_sent", "repeated"))
-    return int(account["sent"] + account["forwarded"] + alone)
+    return int(account["sent"] + account["forwarded"] + alone - sum(account["undelivered"].values()))
 
 
 _ENDS_OF_COMMANDS = {
     "refused": "refused: a value cannot be converted",
     "superseded": "superseded: a newer message replaced it before it was sent",
+    "unchanged": "unchanged: the last one had the same payload (on_change)",
     "failed": "failed: the network refused the datagram",
 }
 """Texts for the counters of messages that the bridge did not send to a peer."""

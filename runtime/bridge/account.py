@@ -43,11 +43,25 @@ class Account:
     unsent: Counter[str] = field(default_factory=Counter)
     """Datagrams that the network refused to send, by peer."""
     undelivered: Counter[tuple[str, str, str]] = field(default_factory=Counter)
-    """Datagrams that were sent to an end, but did not leave on its line, by peer, board and reason (`Undelivered`)."""
+    """Datagrams that were sent to an end, but did not leave: for its line, or its budget. By peer, board and reason.
+
+    They count as sent or forwarded, too. The reasons are those of `Undelivered`.
+    """
+    undelivered_of_row: Counter[tuple[str, str]] = field(default_factory=Counter)
+    """Datagrams that did not leave because of a budget, by payload and reason."""
     damaged: Counter[tuple[str, str]] = field(default_factory=Counter)
     """Frames that were damaged on the line of an end, so that nothing was received, by peer and board."""
     unforwarded: Counter[str] = field(default_factory=Counter)
     """Datagrams not forwarded to a peer, by this peer: longer than its ``max_size``, or of another schema."""
+    withheld: Counter[tuple[str, str, str]] = field(default_factory=Counter)
+    """Datagrams that were not forwarded to a peer because of the limits under `forward`.
+
+    By peer, payload and reason: ``superseded`` (a newer one replaced it) or ``unchanged``.
+    """
+    repeated: Counter[str] = field(default_factory=Counter)
+    """Datagrams that were sent again, by payload: for want of a new one (``at_least``), or of a ``request``."""
+    budget_bytes: Counter[str] = field(default_factory=Counter)
+    """Bytes sent to a peer with a ``budget``, with the headers of IP and UDP, by peer."""
     link_events: Counter[tuple[str, str, str]] = field(default_factory=Counter)
     """Events of the addresses of peers, by peer, board (empty for a whole peer) and event (`LinkEvent`)."""
     links_received: int = 0
@@ -62,12 +76,12 @@ class Account:
     """Messages of topics that could not be converted to a datagram, by payload."""
     superseded: Counter[str] = field(default_factory=Counter)
     """Messages of topics that a newer message replaced before they were sent (``max_rate``), by payload."""
+    unchanged: Counter[str] = field(default_factory=Counter)
+    """Messages of topics that were not sent because the last one had the same payload (``on_change``), by payload."""
     failed: Counter[str] = field(default_factory=Counter)
     """Messages of topics whose datagram the network refused, by payload."""
     stops: Counter[str] = field(default_factory=Counter)
     """Stop datagrams that the bridge sent on its own because a topic was silent, by payload."""
-    repeated: Counter[str] = field(default_factory=Counter)
-    """Datagrams of requests and responses that were sent again (`request`), by payload."""
     unanswered: Counter[str] = field(default_factory=Counter)
     """Calls of a service whose request the peer has not answered (`request`), by payload."""
     qos_mismatches: Mapping[str, Sequence[str]] = field(default_factory=dict)
@@ -88,6 +102,7 @@ class Account:
             "taken": self.taken.total(),
             "refused": dict(sorted(self.refused.items())),
             "superseded": dict(sorted(self.superseded.items())),
+            "unchanged": dict(sorted(self.unchanged.items())),
             "failed": dict(sorted(self.failed.items())),
             "stops": dict(sorted(self.stops.items())),
             "repeated": {name: count for name, count in sorted(self.repeated.items()) if count},
@@ -97,6 +112,8 @@ class Account:
             "undelivered": by_end(self.undelivered),
             "damaged": by_end(self.damaged),
             "unforwarded": dict(sorted(self.unforwarded.items())),
+            "withheld": by_end(self.withheld),
+            "budget_bytes": dict(sorted(self.budget_bytes.items())),
             "link_events": by_end(self.link_events),
             "links_received": self.links_received,
             "links_sent": dict(sorted(self.links_sent.items())),
@@ -134,11 +151,11 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
 
     A text is ``10 datagrams received, but 9 published and dropped``. ``account`` is a result of `Account.as_dict`.
     Every datagram received must have been published, dropped for a reason, or a link message. Every message of a topic
-    must have been sent, refused, superseded, or failed in the network.
+    must have been sent, refused, superseded, unchanged, or failed in the network.
     """
     dropped = sum(account["dropped"].values())
     links = account["links_received"]
-    ends = [sum(account[name].values()) for name in ("refused", "superseded", "failed")]
+    ends = [sum(account[name].values()) for name in ("refused", "superseded", "unchanged", "failed")]
     sums = [
         (
             "datagrams received",
@@ -146,13 +163,18 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
             "published, dropped and link messages" if links else "published and dropped",
             account["published"] + dropped + links,
         ),
-        ("messages taken", account["taken"], "sent, refused, superseded and failed", account["sent"] + sum(ends)),
+        (
+            "messages taken",
+            account["taken"],
+            "sent, refused, superseded, unchanged and failed",
+            account["sent"] + sum(ends),
+        ),
     ]
     return [f"{count} {what}, but {other} {ends}" for what, count, ends, other in sums if count != other]
 
 
 def by_end(counts: Mapping[Any, int]) -> dict[str, int]:
-    """Return counts by text, sorted, for counts by tuple: of a peer, a board (may be empty), and perhaps a reason."""
+    """Return counts by text, sorted, for counts by tuple: peer, board (may be empty) or payload, perhaps a reason."""
     return {" ".join(filter(None, key)): count for key, count in sorted(counts.items()) if count}
 
 

@@ -26,10 +26,11 @@ from typing import Any, Protocol
 from roverlink.runtime.bridge import request_rows
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.admission import Admission
+from roverlink.runtime.bridge.budgets import BudgetedPeer, Budgets
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends, LinkState
 from roverlink.runtime.bridge.extra_topics import ExtraTopics
-from roverlink.runtime.bridge.forwarding import Forwarding
+from roverlink.runtime.bridge.forwarding import Forwarding, LimitedForward
 from roverlink.runtime.bridge.handling_times import Handle, HandlingTimes, Latencies
 from roverlink.runtime.bridge.link_exchange import EndReport, LinkExchange
 from roverlink.runtime.bridge.loop_watch import LoopWatch
@@ -120,6 +121,7 @@ class Bridge:
         self._handling_times = HandlingTimes()
         self._sending = self._send if registry.link is None else self._send_counted
         self._ends = Ends(registry, parameters, self._counters, self._socket)
+        self._budgets = Budgets(registry, self._ends.destinations, self._account)
         self._sender: Sender | None = None  # of the datagrams that are handled now, if an address is to be learned
         self._observers = observers
         self._handle_observed = self._observed(self._handle)
@@ -137,8 +139,8 @@ class Bridge:
             registry,
             self._ends,
             parameters.forward_policy,
-            self._signed_peers.forwarding(self._sending),
-            self._sending,
+            self._budgets.forwarding(self._signed_peers.forwarding(self._sending)),
+            self._budgets.forwarding(self._sending),
             self._counters,
         )
         self._exchanges = request_rows.exchanges(registry)
@@ -148,7 +150,8 @@ class Bridge:
     @property
     def account(self) -> Account:
         """Counters of the bridge at this moment."""
-        self._account.undelivered, self._account.damaged = self._ends.undelivered(), self._ends.damaged()
+        self._account.undelivered = self._ends.undelivered() + self._budgets.undelivered()
+        self._account.damaged = self._ends.damaged()
         return self._account if self._native is None else self._native.added_to(self._account)
 
     def latencies(self) -> Latencies:
@@ -184,13 +187,15 @@ class Bridge:
         outbound = [handler for handler in handlers if not handler.route.inbound]
         self._outbound_rows = [self._outbound_row(handler) for handler in outbound]
         tasks: list[TimedTask] = [*self._paced, *(row for row in self._outbound_rows if row.is_timed)]
+        tasks += [*self._forwarding.limited, *self._budgets.peers.values()]
         if self._link is not None:
             tasks.append(self._link)
         self._timekeeper = Timekeeper("timekeeper", tasks, self._fail)
         if self._link is not None:
             self._link.wake = self._timekeeper.wake
-        for paced in self._paced:
-            paced.wake = self._timekeeper.wake
+        woken: list[PacedInboundRow | LimitedForward | BudgetedPeer] = [*self._paced, *self._forwarding.limited]
+        for one in (*woken, *self._budgets.peers.values()):
+            one.wake = self._timekeeper.wake
         subscriptions = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
         watches = [
             row.connect(subscription, self._timekeeper.wake)
@@ -227,6 +232,8 @@ class Bridge:
         # last, because nothing may follow them. If one step fails, the others are done all the same.
         with ExitStack() as steps:
             steps.callback(self._ends.close)
+            for budget in self._budgets.peers.values():
+                steps.callback(budget.end)
             steps.callback(self._socket.close)
             steps.callback(self._counters.warnings.log_suppressed)
             steps.callback(self._counters.read_kernel_drops)
@@ -235,6 +242,8 @@ class Bridge:
             if self._native is not None:
                 steps.callback(self._native.end)
             steps.callback(self._middleware.close)
+            for limited in self._forwarding.limited:
+                steps.callback(limited.end)
             for paced in reversed(self._paced):
                 steps.callback(paced.end)
             for row in self._outbound_rows:
@@ -294,7 +303,10 @@ class Bridge:
         if link is None:
             return None
         sends = {
-            end: self._signed_peers.sending(end.peer, end.board, partial(self._send, destination=destination))
+            end: self._budgets.sending(
+                self._signed_peers.sending(end.peer, end.board, partial(self._send, destination=destination)),
+                destination,
+            )
             for end, destination in self._ends.destinations.items()
         }
         return LinkExchange(
@@ -326,6 +338,7 @@ class Bridge:
                 self._extra_topics.publishers,
                 outbound,
                 self._ends.destinations,
+                self._forwarding.limited,
                 self._signed_peers,
                 [one for one in self._observers if isinstance(one, DatagramObserver)],
                 request_rows.in_python(self._exchanges),
@@ -339,7 +352,7 @@ class Bridge:
             wake,
             self._parameters.max_datagram + 1,
             self._not_accepted,
-            lambda row: self._inbound_rows[row].wake(),
+            lambda _: self._timekeeper.wake(),
             lambda destination, datagrams: self._forwarding.hand_on(datagrams, destination),
             self._settled,
             lambda: self._counters.count_received(0),
@@ -504,6 +517,7 @@ class Bridge:
         send = self._signed_peers.sending(route.peer, route.board, partial(self._sending, destination=destination))
         for observer in self._observers:
             send = observer.sending(route.peer, send)
+        send = self._budgets.sending(send, destination)
         given = (handler, self._translator, send, self._account, self._counters.warnings)
         exchange = self._exchanges.get(route.name)
         return OutboundRow(*given) if exchange is None else request_rows.outbound_row(exchange, *given)

@@ -27,6 +27,7 @@ from roverlink.runtime.net.carrier import Carrier
 from roverlink.runtime.net.destination import Destination, Target
 from roverlink.runtime.net.host_watch import HostWatch
 from roverlink.runtime.net.hosts import SocketAddress
+from roverlink.runtime.net.outbox import Outbox, number_of, priority_by_number
 from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.ros_arguments.parameters import EndAddress, Parameters
 from roverlink.runtime.text.host_names import LEARN, is_literal
@@ -84,8 +85,25 @@ class Ends:
         """Function that is called when the address of an end was learned."""
         # The rover learns the port from which our datagrams come, and sends there.
         shared = own if registry.own is not None and not registry.own.port else None
+        priority_of = priority_by_number(registry)
+        # A datagram is signed before it waits for a line, so no other one of the key may overtake it.
+        signed = {peer.name for peer in registry.peers if peer.must_sign}
+
+        def outbox_of(end: EndName) -> Outbox[bytes]:
+            if end.peer in signed:
+                return Outbox()
+            return Outbox(lambda datagram: priority_of(number_of(datagram, registry.signature)))
+
         self._steered = {
-            name: _Steering(name, end, partial(_note, counters, name), lambda: self.on_learned(), own, shared)
+            name: _Steering(
+                name,
+                end,
+                partial(_note, counters, name),
+                lambda: self.on_learned(),
+                own,
+                shared,
+                partial(outbox_of, name),
+            )
             for name, end in registry.ends.items()
         }
         self.destinations: Mapping[EndName, Destination] = {
@@ -174,8 +192,9 @@ class _Steering:
         learned: Callable[[], None],
         own: socket.socket,
         shared: socket.socket | None,
+        outbox: Callable[[], Outbox[bytes]],
     ) -> None:
-        self._end, self._note, self._learned, self._own = end, note, learned, own
+        self._end, self._note, self._learned, self._own, self._outbox = end, note, learned, own, outbox
         self._ipv4_only = own.family == socket.AF_INET
         self.destination = Destination(name, report=self._reachability_changed, shared=shared)
         self._lock = threading.RLock()
@@ -243,7 +262,7 @@ class _Steering:
             self._wanted, self._targets, self._missing = wanted, {}, set()
             for host in () if self._learns else wanted.hosts:
                 if wanted.is_line:
-                    self.carrier = Carrier(transport_at(host), self._own, self._connection_changed)
+                    self.carrier = Carrier(transport_at(host), self._own, self._connection_changed, self._outbox())
                 # An address of a network interface needs the interface, which may not be there yet.
                 elif is_literal(host) and "%" not in host and not self._end.interface:
                     with contextlib.suppress(OSError):  # it is noted

@@ -6,12 +6,18 @@ datagrams, and others strip zeros from them; strict decoders, such as those of p
 
 from __future__ import annotations
 
+import math
+import threading
+import time
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends
+from roverlink.runtime.bridge.pacing import Changes, Pacer
+from roverlink.runtime.core.handler import SendLimits
 from roverlink.runtime.core.registry import EndName, Registry
+from roverlink.runtime.native.shared_lock import SharedLock
 from roverlink.runtime.net.destination import Destination
 
 Send = Callable[[Sequence[bytes], Destination], int]
@@ -23,6 +29,9 @@ class Forwarding:
 
     A peer with boards gets the datagrams at each of its boards. Only one thread may call `forward`.
     """
+
+    limited: Sequence[LimitedForward]
+    """Forwards of rows with limits, each to one end. A timekeeper has to run them."""
 
     def __init__(
         self,
@@ -43,10 +52,17 @@ class Forwarding:
         self._all = tuple(ends.destinations.values())
         self._limits = {peer.name: peer.max_size for peer in registry.peers if peer.max_size is not None}
         self._rows: defaultdict[Destination, set[str]] = defaultdict(set)
+        self.limited = limited = []
         for handler in registry.handlers:
-            for peer in handler.route.forward if handler.route.inbound else ():
+            route = handler.route
+            limits = dict(route.forward_limits)
+            for peer in route.forward if route.inbound else ():
                 for destination in ends.of_peer(peer):
-                    self._rows[destination].add(handler.route.name)
+                    self._rows[destination].add(route.name)
+                    if peer in limits:
+                        limited.append(LimitedForward(route.name, destination, limits[peer], registry.signature, self))
+        self._limited = {(one.destination, one.row): one for one in limited}
+        self._counting = threading.Lock()
         self._refused: Mapping[EndName, frozenset[str]] = {}
         self.follow(policy)
 
@@ -83,22 +99,101 @@ class Forwarding:
             if refused := self._refused.get(destination.end):
                 self._counters.account.unforwarded[peer] += sum(name in rows & refused for name in names)
                 rows = rows - refused
-            own = [datagram for datagram, name in zip(datagrams, names) if name in rows]
+            own = {index: datagram for index, datagram in enumerate(datagrams) if names[index] in rows}
             limit = self._limits.get(peer)
             fitting = own if limit is None else self._fitting(own, limit, peer)
-            self.hand_on(fitting, destination)
+            for row in dict.fromkeys(names[index] for index in fitting) if self._limited else ():
+                if limited := self._limited.get((destination, row or "")):
+                    limited.take([fitting.pop(index) for index in [*fitting] if names[index] == row])
+            self.hand_on([*fitting.values()], destination)
 
     def hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:
         """Send datagrams that the end may get to its destination, in the form of the policy, and count them."""
         self._hand_on(datagrams, destination, self._send_raw if self._to_all else self._send)
 
-    def _fitting(self, datagrams: Sequence[bytes], limit: int, peer: str) -> list[bytes]:
+    def hand_on_again(self, datagram: bytes, destination: Destination, row: str) -> None:
+        """Send a datagram of a row once more, unless all datagrams are forwarded."""
+        if not self._to_all:
+            self._counters.account.repeated[row] += self._send([datagram], destination)
+
+    def withhold(self, destination: Destination, row: str, reason: str, count: int) -> None:
+        """Count datagrams of a row that are not forwarded to an end."""
+        if count:
+            with self._counting:
+                self._counters.account.withheld[destination.end.peer, row, reason] += count
+
+    def _fitting(self, datagrams: Mapping[int, bytes], limit: int, peer: str) -> dict[int, bytes]:
         """Return the datagrams with at most ``limit`` bytes, and count the others."""
-        for datagram in datagrams:
+        for datagram in datagrams.values():
             if len(datagram) > limit:
                 self._counters.count_unforwarded(peer, len(datagram), limit)
-        return [datagram for datagram in datagrams if len(datagram) <= limit]
+        return {index: datagram for index, datagram in datagrams.items() if len(datagram) <= limit}
 
     def _hand_on(self, datagrams: Sequence[bytes], destination: Destination, send: Send) -> None:
         if sent := send(datagrams, destination):
-            self._counters.account.forwarded[destination.end.peer] += sent
+            with self._counting:  # the timekeeper forwards, too
+                self._counters.account.forwarded[destination.end.peer] += sent
+
+
+class LimitedForward:
+    """Forward of one row to one end, with limits (table key ``forward``).
+
+    Used from the receiving thread and from the timekeeper's thread.
+    """
+
+    def __init__(
+        self, row: str, destination: Destination, limits: SendLimits, signature: int | None, forwarding: Forwarding
+    ) -> None:
+        """Hand on to ``forwarding`` what the limits let pass."""
+        self.row, self.destination, self._forwarding = row, destination, forwarding
+        self.pacer = Pacer(limits.max_rate) if limits.max_rate else None
+        """Limit of the rate; None without one."""
+        self.changes = Changes(limits, signature) if limits.on_change or limits.at_least_ms else None
+        """Choice of the datagrams that the rate lets pass; None if all are forwarded."""
+        self.lock: threading.Lock | SharedLock = threading.Lock()
+        """Lock to hold while datagrams are limited and forwarded."""
+        self.wake: Callable[[], None] = lambda: None
+        """Function that wakes the timekeeper."""
+
+    def take(self, datagrams: Sequence[bytes]) -> None:
+        """Forward the datagrams that the limits let pass; one may have to wait."""
+        due = self.next_due
+        with self.lock:
+            if self.pacer is not None:
+                datagrams, superseded = self.pacer.offer(datagrams, time.monotonic())
+                self._forwarding.withhold(self.destination, self.row, "superseded", superseded)
+            if datagrams:
+                self._pass_on(datagrams)
+        # Outside of the lock, because `wake` makes the timekeeper take the lock at once.
+        if self.next_due < due:
+            self.wake()
+
+    def run_due(self, now: float) -> None:
+        """Forward the datagram that waits if the rate allows it now, or the last one again."""
+        if self.lock.acquire(blocking=False):
+            try:
+                if self.pacer is not None and (waited := self.pacer.take(now)) is not None:
+                    self._pass_on([waited])
+                elif self.changes is not None and (last := self.changes.again(now)) is not None:
+                    self._forwarding.hand_on_again(last, self.destination, self.row)
+            finally:
+                self.lock.release()
+
+    @property
+    def next_due(self) -> float:
+        """Time at which `run_due` has something to do; infinity for never."""
+        slot = None if self.pacer is None else self.pacer.next_slot
+        again = math.inf if self.changes is None else self.changes.next_due
+        return again if slot is None else min(slot, again)
+
+    def end(self) -> None:
+        """Forward the datagram that waits. Call it when nothing arrives any more."""
+        if self.pacer is not None and (waited := self.pacer.withdraw()) is not None:
+            self._pass_on([waited])
+
+    def _pass_on(self, datagrams: Sequence[bytes]) -> None:
+        if self.changes is not None:
+            count = len(datagrams)
+            datagrams = self.changes.choose(datagrams, time.monotonic())
+            self._forwarding.withhold(self.destination, self.row, "unchanged", count - len(datagrams))
+        self._forwarding.hand_on(datagrams, self.destination)

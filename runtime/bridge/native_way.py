@@ -14,13 +14,14 @@ from functools import partial
 from typing import Protocol, runtime_checkable
 
 from roverlink.runtime.bridge.account import Account
+from roverlink.runtime.bridge.forwarding import LimitedForward
 from roverlink.runtime.bridge.handling_times import BOUNDS_S, Latencies
 from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.to_peer import OutboundRow
 from roverlink.runtime.bridge.to_topic import InboundRow
 from roverlink.runtime.core.errors import Reason
 from roverlink.runtime.core.handler import Route
-from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, EndName, Registry
+from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, EndName, Peer, Registry
 from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.middleware import Publisher, Subscription
 from roverlink.runtime.native import bridge_layout as native
@@ -42,6 +43,9 @@ class DatagramObserver(Protocol):
     """Function that gets the datagrams to a peer that are made from messages, by the peer's name."""
 
 
+_COMPARED = "datagrams are compared, or sent again"
+
+
 class NativeWay:
     """Native way of the inbound rows of a bridge."""
 
@@ -53,6 +57,7 @@ class NativeWay:
         extra_topics: Mapping[AnyStandardHandler, Publisher],
         outbound: Iterable[tuple[AnyHandler | AnyStandardHandler, OutboundRow, Subscription]],
         destinations: Mapping[EndName, Destination],
+        limited: Sequence[LimitedForward],
         signed: SignedPeers,
         observers: Sequence[DatagramObserver],
         in_python: Mapping[str, str],
@@ -60,14 +65,18 @@ class NativeWay:
         """Prepare the way, which no row takes yet.
 
         ``inbound`` are the rows whose datagrams go to topics, by name. ``outbound`` are the topics whose messages go
-        to peers. ``signed`` has the keys of the peers that must sign. ``observers`` get a copy of each datagram.
-        ``in_python`` has the reason for each row that needs Python, whatever the core can do.
+        to peers. ``limited`` are the forwards with limits. ``signed`` has the keys of the peers that must sign.
+        ``observers`` get a copy of each datagram. ``in_python`` has the reason for each row that needs Python, whatever
+        the core can do.
         """
         self._ends = [*destinations]
         self._inbound = inbound.values()
         self._refused: frozenset[str] = frozenset()
         self._unforwarded: frozenset[str] = frozenset()
         self._to_all = False
+        self._limited = limited
+        compared = {one.row for one in limited if one.changes is not None}
+        in_python = {**in_python, **dict.fromkeys(compared, _COMPARED)}
         keys = SharedKeys(core)
         strips = {peer.name: peer.strip_trailing_zeros for peer in registry.peers}
         limits = {peer.name: peer.max_size for peer in registry.peers if peer.max_size is not None}
@@ -76,6 +85,11 @@ class NativeWay:
                 handler,
                 [(handler, inbound[handler.route.name].publisher), *_of_row(handler, extra_topics)],
                 sum(1 << index for index, end in enumerate(self._ends) if end.peer in handler.route.forward),
+                {
+                    self._ends.index(one.destination.end): _shared_pacer(one, core)
+                    for one in limited
+                    if one.row == handler.route.name
+                },
                 min((limits[peer] for peer in handler.route.forward if peer in limits), default=ANY_LENGTH),
                 _shared_pacer(inbound[handler.route.name], core),
                 [*map(keys.stream, signed.streams(handler.route))] if handler.route.peer in signed.must_sign else None,
@@ -100,7 +114,7 @@ class NativeWay:
             route, end = handler.route, registry.end_of(handler.route)
             if route.name in self.reasons:
                 continue
-            if reason := self._why_not(handler, subscription, core):
+            if reason := self._why_not(handler, subscription, core, registry.peers_by_name[route.peer]):
                 self.reasons[route.name] = reason
                 continue
             signer = keys.signer(signed.signer(route.peer, route.board), strips[route.peer])
@@ -124,8 +138,14 @@ class NativeWay:
             row.follow(partial(_sent_at, struct))
 
     @staticmethod
-    def _why_not(handler: AnyHandler | AnyStandardHandler, subscription: Subscription, core: NativeCore) -> str:
+    def _why_not(
+        handler: AnyHandler | AnyStandardHandler, subscription: Subscription, core: NativeCore, peer: Peer
+    ) -> str:
         """Return the reason why Python handles the messages of an outbound row; empty if the core can."""
+        if handler.route.send:
+            return _COMPARED
+        if peer.budget:
+            return f"{peer.name} has a budget"
         if reason := core.reason(handler):
             return reason
         return "" if isinstance(subscription, NativeSubscription) else "the middleware takes them in Python"
@@ -182,6 +202,10 @@ class NativeWay:
         for inbound in self._inbound:
             if inbound.pacer is not None:
                 dropped[Reason.SUPERSEDED.value] += inbound.pacer.superseded
+        withheld = Counter(account.withheld)
+        for one in self._limited:
+            if one.pacer is not None and one.pacer.superseded:
+                withheld[one.destination.end.peer, one.row, "superseded"] += one.pacer.superseded
         for row, route, _, subscription in self._outbound:
             taken[route.name] += subscription.taken
             sent[route.name] += subscription.sent
@@ -192,6 +216,7 @@ class NativeWay:
             taken=+taken,
             superseded=+superseded,
             dropped=dropped,
+            withheld=withheld,
             sent=+sent,
             received=account.received + counts.received,
             published=account.published + counts.published,
@@ -219,7 +244,7 @@ def _sent_at(struct: native.Subscription) -> float:
     return struct.sent_at / 1e9 if struct.sent_at else -math.inf
 
 
-def _shared_pacer(row: InboundRow | OutboundRow, core: NativeCore) -> int | None:
+def _shared_pacer(row: InboundRow | OutboundRow | LimitedForward, core: NativeCore) -> int | None:
     if row.pacer is None:
         return None
     row.lock = lock = SharedLock(core.library)

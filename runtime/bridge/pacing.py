@@ -1,4 +1,4 @@
-"""Rate limit for the messages of a row (table key ``max_rate``).
+"""Choice of the messages of a row that are passed on (table keys ``max_rate``, ``on_change`` and ``at_least``).
 
 Times are arguments, in seconds of a monotonic clock.
 """
@@ -6,8 +6,12 @@ Times are arguments, in seconds of a monotonic clock.
 from __future__ import annotations
 
 import ctypes
+import math
 import threading
 from collections.abc import Sequence
+
+from roverlink.runtime.core.handler import SendLimits
+from roverlink.runtime.core.wire_format import fields
 
 _ROOM = 1 << 16
 
@@ -85,3 +89,43 @@ class Pacer(ctypes.Structure):
         if not waits:
             return None
         return self._memory.raw[: self.size] if self.size else self._kept
+
+
+class Changes:
+    """Choice of the datagrams that an end gets of one row: only changes, and the last one again if there is none."""
+
+    def __init__(self, limits: SendLimits, signature: int | None) -> None:
+        """``signature`` is the number of the envelope's field with a signature, which is new in each datagram."""
+        self._on_change, self._signature = limits.on_change, signature
+        self._interval = math.inf if limits.at_least_ms is None else limits.at_least_ms / 1000
+        self._last: bytes | None = None
+        self._content = b""
+        self.next_due = math.inf
+        """Time at which `again` has the last datagram; infinity for never."""
+
+    def choose(self, datagrams: Sequence[bytes], now: float) -> list[bytes]:
+        """Return the datagrams to send of those that have come."""
+        chosen = []
+        for datagram in datagrams:
+            content = self._without_signature(datagram)
+            if self._on_change and self._last is not None and content == self._content and now < self.next_due:
+                continue
+            self._last, self._content, self.next_due = datagram, content, now + self._interval
+            chosen.append(datagram)
+        return chosen
+
+    def again(self, now: float) -> bytes | None:
+        """Return the last datagram if nothing was sent for too long."""
+        if now < self.next_due:
+            return None
+        self.next_due = now + self._interval
+        return self._last
+
+    def _without_signature(self, datagram: bytes) -> bytes:
+        if self._signature is None:
+            return datagram
+        start, rest = 0, b""
+        for field in fields(datagram):
+            rest += datagram[start : field.end] if field.number != self._signature else b""
+            start = field.end
+        return rest

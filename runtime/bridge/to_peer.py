@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.bridge.deadman import Watchdog
-from roverlink.runtime.bridge.pacing import Pacer
+from roverlink.runtime.bridge.pacing import Changes, Pacer
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.core.translator import Translator
@@ -49,6 +49,8 @@ class OutboundRow:
         rate, deadman = handler.route.max_rate, handler.route.deadman
         self.pacer = Pacer(rate) if rate else None
         """Limit of the rate; None without one."""
+        limits = handler.route.send
+        self._changes = Changes(limits, None) if limits else None
         self._watchdog: Watchdog | None = None
         self._stop = b""
         if deadman:
@@ -66,8 +68,8 @@ class OutboundRow:
 
     @property
     def is_timed(self) -> bool:
-        """True if the row has a rate limit or a watchdog, so that a `Timekeeper` has to run it."""
-        return self.pacer is not None or self._watchdog is not None
+        """True if the row has limits or a watchdog, so that a `Timekeeper` has to run it."""
+        return self.pacer is not None or self._changes is not None or self._watchdog is not None
 
     def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
         """Store ``wake``, the function that wakes the timekeeper of this row.
@@ -97,13 +99,15 @@ class OutboundRow:
                 self.wake()
 
     def run_due(self, now: float) -> None:
-        """Send the stop if it is due; otherwise send the waiting message if the rate limit allows it now."""
+        """Send the stop if it is due; otherwise the waiting message if its time has come, or the last one again."""
         if self._watchdog and self._stop_is_due(self._watchdog, now):
             self._tell_to_stop()
-        elif self.pacer is not None and self.lock.acquire(blocking=False):
+        elif (self.pacer or self._changes) and self.lock.acquire(blocking=False):
             try:
-                if (message := self.pacer.take(now)) is not None:
+                if self.pacer is not None and (message := self.pacer.take(now)) is not None:
                     self._pass_on([message])
+                elif self._changes is not None and (last := self._changes.again(now)) is not None:
+                    self._repeat(last)
             finally:
                 self.lock.release()
 
@@ -112,7 +116,8 @@ class OutboundRow:
         """Time at which `run_due` has something to do, unless a message arrives before."""
         slot = self.pacer.next_slot if self.pacer else None
         stop = self._watchdog.next_due if self._watchdog else math.inf
-        return stop if slot is None else min(slot, stop)
+        again = self._changes.next_due if self._changes else math.inf
+        return min(stop, again, math.inf if slot is None else slot)
 
     def end(self) -> None:
         """Send the last datagram at shutdown: the waiting message, or the stop if the row has a watchdog.
@@ -143,7 +148,19 @@ class OutboundRow:
             except ConversionError as error:
                 self._account.refused[self.name] += 1
                 self._warnings.warn(self.name, f"not sent: {error}")
+        if self._changes is not None:
+            due = self._changes.next_due
+            chosen = self._changes.choose(datagrams, time.monotonic())
+            self._account.unchanged[self.name] += len(datagrams) - len(chosen)
+            datagrams = chosen
+            if self._changes.next_due < due:
+                self.wake()
         self._send_and_count(datagrams)
+
+    def _repeat(self, datagram: bytes) -> None:
+        """Send the last datagram once more; it is no message of the topic, so the other counters leave it out."""
+        if not (self.refused or self._ended):
+            self._account.repeated[self.name] += self._send([datagram])
 
     def send_again(self, datagram: bytes) -> None:
         """Send a datagram that the native core has made but could not send, and count it."""

@@ -82,6 +82,18 @@ class RowRequest:
 
 
 @dataclass(frozen=True, slots=True)
+class SendLimits:
+    """SendLimits of the messages of a row that are sent to a peer; without values, all are sent."""
+
+    max_rate: int | None = None
+    """Largest number of messages a second; None for no limit."""
+    on_change: bool = False
+    """True if a payload is sent only if it is not the last one that was sent."""
+    at_least_ms: int | None = None
+    """Time in milliseconds without a datagram after which the last one is sent again; None for never."""
+
+
+@dataclass(frozen=True, slots=True)
 class Route:
     """One row of the table: number, payload, topic and direction, with the row's options."""
 
@@ -103,7 +115,14 @@ class Route:
     A message that comes too early waits, and a newer message replaces it.
     """
     priority: int = 0
-    """Priority of a topic whose messages go to a peer; topics with larger numbers are served first."""
+    """Priority of a topic whose messages go to a peer; topics with larger numbers are served first.
+
+    It also is the priority within the budget of a peer, for messages to the peer and for forwarded ones.
+    """
+    send: SendLimits | None = None
+    """SendLimits of what is sent to the row's peer; None if all is sent."""
+    forward_limits: tuple[tuple[str, SendLimits], ...] = ()
+    """SendLimits of what is forwarded to other peers, each with the peer's name."""
     expect_rate: int | None = None
     """Expected messages a second; diagnostics warn if the rate is clearly lower. None for no expectation."""
     board: str = ""

@@ -54,6 +54,8 @@ def _mirrored(handler: H, end: EndName) -> H:
         route,
         direction=f"ros_to_{ROVER}" if is_ours and route.inbound else f"{ROVER}_to_ros",
         forward=(),
+        forward_limits=(),
+        send=None,
         deadman=None,  # the rover sends the stop itself
         # The rover limits what it sends. A second limit would only delay what the link's jitter has pushed together.
         max_rate=None if is_ours and not route.inbound else route.max_rate,

@@ -75,6 +75,8 @@ class Peer(End):
     """Largest number of datagrams a second accepted from each address of the peer; None for no limit."""
     max_size: int | None = None
     """Largest envelope in bytes that the peer can receive; None if the table sets no limit."""
+    budget: int | None = None
+    """Most bytes that are sent to the peer in a second, with the headers of IP and UDP; None for no limit."""
     must_sign: bool = False
     """True if datagrams from and to the peer must be signed."""
     boards: tuple[End, ...] = ()

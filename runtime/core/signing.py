@@ -173,7 +173,7 @@ class Verifier:
         """
         self.number = number
         self._start = _field_start(number)
-        self._size = len(self._start) + SIGNATURE_BYTES
+        self._size = size_of_signature(number)
         self.streams = {key.id: Stream(key, last, clock) for key, last, clock in keys}
         """Stream of each key, by the key's id."""
         self.ahead: Counter[str] = Counter()
@@ -252,6 +252,11 @@ def _not_newer(timestamp: int, stream: Stream, row: str) -> DatagramError:
     late = (stream.last - timestamp) / TICKS_PER_SECOND
     message = f"a datagram of {stream.sender!r} is {late:g} s older than the newest one that is known: a recording, an "
     return DatagramError(Reason.OUTDATED, f"{message}overtaken datagram, or a sender that has lost its time", row)
+
+
+def size_of_signature(number: int) -> int:
+    """Return the bytes of a signature's field with a field number."""
+    return len(_field_start(number)) + SIGNATURE_BYTES
 
 
 def _field_start(number: int) -> bytes:

@@ -22,7 +22,7 @@ from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.periodic_thread import PeriodicThread
 from roverlink.runtime.core.registry import EndName, Registry
 from roverlink.runtime.monitoring.liveness import Liveness, liveness_of
-from roverlink.runtime.monitoring.state import EndState, Level, Recording, RowState, State
+from roverlink.runtime.monitoring.state import Budget, EndState, Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
 
 SAMPLE_S = 0.25
@@ -72,6 +72,8 @@ class _Sample(NamedTuple):
     """Datagrams read from the socket."""
     lost: Counter[str]
     """Datagrams and messages lost, by reason."""
+    budget_bytes: Counter[str]
+    """Bytes sent to each peer with a budget."""
 
 
 class Monitor:
@@ -134,6 +136,7 @@ class Monitor:
         dropped = Counter({key: count for key, count in account.dropped_of_row.items() if key[0] not in self._outbound})
         dropped.update({(name, "refused"): count for name, count in account.refused.items()})
         dropped.update({(name, "unanswered"): count for name, count in account.unanswered.items() if count})
+        dropped.update({key: count for key, count in account.undelivered_of_row.items() if key[0] in self._outbound})
         stops = Counter(account.stops)
         before = self._samples[-1] if self._samples else None
         if before is not None:
@@ -149,7 +152,8 @@ class Monitor:
         lost = account.dropped + Counter({reason: counter.total() for reason, counter in others.items()})
         del lost[Reason.REPEATED.value]  # it has been handled when it came first
         lost[_KERNEL] = self._bridge.socket_state().drops  # the account reads it only when a datagram arrives
-        self._samples.append(_Sample(now, crossed, dropped, stops, account.received, lost))
+        bytes_sent = Counter(account.budget_bytes)
+        self._samples.append(_Sample(now, crossed, dropped, stops, account.received, lost, bytes_sent))
         # Keep one sample older than the window, so that rates cover the whole window.
         while len(self._samples) > 2 and self._samples[1].time <= now - WINDOW_S:
             self._samples.popleft()
@@ -169,6 +173,8 @@ class Monitor:
             undelivered=dict(account.undelivered),
             damaged=dict(account.damaged),
             unforwarded=dict(account.unforwarded),
+            budgets=self._budgets(),
+            withheld=dict(account.withheld),
             link_events=dict(account.link_events),
             received=last.received,
             received_rate=(last.received - first.received) / max(last.time - first.time, SAMPLE_S),
@@ -207,6 +213,12 @@ class Monitor:
         if topics := ", ".join(self._bridge.account.qos_mismatches):
             return Level.WARN, f"the QoS of other nodes does not match on {topics}; change the QoS of one side"
         return Level.OK, "nothing lost"
+
+    def _budgets(self) -> dict[str, Budget]:
+        first, last = self._samples[0], self._samples[-1]
+        span, used = max(last.time - first.time, SAMPLE_S), last.budget_bytes - first.budget_bytes
+        limits = {peer.name: peer.budget for peer in self._registry.peers if peer.budget}
+        return {peer: Budget(limit, used[peer] / span, last.budget_bytes[peer]) for peer, limit in limits.items()}
 
     def _row(self, route: Route) -> RowState:
         first, last = self._samples[0], self._samples[-1]

@@ -63,7 +63,15 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "forwarded_total", "Raw datagrams forwarded to a peer.", _by("peer", state.forwarded)
     yield "unsent_total", "Datagrams that the network refused to send.", _by("peer", state.unsent)
     yield "unforwarded_total", "Datagrams that were too long to be forwarded to a peer.", _by("peer", state.unforwarded)
-    yield "undelivered_total", "Datagrams to a peer or board that did not leave on its line.", [
+    budgets = state.budgets.items()
+    yield "budget_bytes_per_second", "Budget of a peer.", [({"peer": name}, one.limit) for name, one in budgets]
+    sent = "Bytes sent to a peer with a budget, with the headers of IP and UDP."
+    yield "budget_sent_bytes_total", sent, [({"peer": name}, one.sent) for name, one in budgets]
+    yield "withheld_total", "Datagrams that limits of forwards kept from a peer.", [
+        ({"peer": peer, "payload": payload, "reason": reason}, count)
+        for (peer, payload, reason), count in sorted(state.withheld.items())
+    ]
+    yield "undelivered_total", "Datagrams to a peer or board that did not leave, because of its line or budget.", [
         ({"peer": peer, "board": board, "reason": reason}, count)
         for (peer, board, reason), count in sorted(state.undelivered.items())
     ]

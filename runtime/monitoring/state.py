@@ -75,6 +75,17 @@ class EndState:
 
 
 @dataclass(frozen=True)
+class Budget:
+    """Budget of a peer, in bytes a second with the headers of IP and UDP."""
+
+    limit: int
+    used: float
+    """Bytes sent a second, averaged over the last two seconds."""
+    sent: int
+    """Bytes sent since the start."""
+
+
+@dataclass(frozen=True)
 class Recording:
     """State of the recording that a bridge makes."""
 
@@ -120,11 +131,15 @@ class State:
     """Reason for the level of the bridge."""
     ends: tuple[EndState, ...] = ()
     undelivered: Mapping[tuple[str, str, str], int] = field(default_factory=dict)
-    """Datagrams to an end that did not leave on its line, by peer, board and reason."""
+    """Datagrams to an end that did not leave, because of its line or budget, by peer, board and reason."""
     damaged: Mapping[tuple[str, str], int] = field(default_factory=dict)
     """Frames that were damaged on the line of an end, by peer and board."""
     unforwarded: Mapping[str, int] = field(default_factory=dict)
     """Datagrams that were too long to be forwarded to a peer, by this peer."""
+    budgets: Mapping[str, Budget] = field(default_factory=dict)
+    """Budget of each peer that has one."""
+    withheld: Mapping[tuple[str, str, str], int] = field(default_factory=dict)
+    """Datagrams that limits of `forward` kept from a peer, by peer, payload and reason."""
     clocks_ahead: Mapping[str, int] = field(default_factory=dict)
     """Signed datagrams that were accepted more than a minute ahead of this computer's clock, by who signed them."""
     link_events: Mapping[tuple[str, str, str], int] = field(default_factory=dict)

@@ -87,6 +87,7 @@ class Row(ctypes.Structure):
         *_words("number", "native", "at_once", "first_topic", "topics", "longest", "is_signed", "unused"),
         ("signers", ctypes.c_uint64 * 4),
         ("forward", ctypes.c_uint64),
+        ("forward_pacers", ctypes.POINTER(ctypes.c_void_p)),
         ("handled", ctypes.c_uint64),
     )
 

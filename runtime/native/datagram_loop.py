@@ -9,8 +9,8 @@ from __future__ import annotations
 import ctypes
 import socket
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler
@@ -38,6 +38,8 @@ class InboundTopics:
     """Handler and publisher of the row's own topic, then those of its extra topics."""
     forward: int = 0
     """Destinations to which the row's datagrams are forwarded: bit by index."""
+    forward_pacers: Mapping[int, int | None] = field(default_factory=dict)
+    """Addresses of the limits of the forwards, by the index of the destination."""
     longest: int = ANY_LENGTH
     """Length in bytes of the longest datagram that all of them take."""
     pacer: int | None = None
@@ -100,6 +102,7 @@ class DatagramLoop:
                 first_topic=first,
                 topics=len(row.publishers),
                 forward=row.forward,
+                forward_pacers=_pacers(row.forward_pacers, len(destinations)),
                 longest=row.longest,
                 is_signed=row.streams is not None,
                 signers=_bits(stream.id for stream in row.streams or ()),
@@ -270,6 +273,10 @@ def _bits(places: Iterable[int]) -> Any:
     for place in places:
         words[place // 64] |= 1 << place % 64
     return words
+
+
+def _pacers(by_index: Mapping[int, int | None], count: int) -> Any:
+    return (ctypes.c_void_p * count)(*(by_index.get(index) for index in range(count))) if by_index else None
 
 
 def _bytes(datagrams: Any, count: int) -> list[bytes]:

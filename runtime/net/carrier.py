@@ -40,7 +40,7 @@ Report = Callable[[str], None]
 class Outgoing:
     """Thread that takes what a program sends to a UDP socket, and sends it through an outbox over a line."""
 
-    def __init__(self, sock: socket.socket, send: Callable[[bytes], None], outbox: Outbox) -> None:
+    def __init__(self, sock: socket.socket, send: Callable[[bytes], None], outbox: Outbox[bytes]) -> None:
         """Prepare the thread. ``send`` blocks while the line is busy, and raises `OSError` if there is none."""
         self._socket, self._send, self._outbox = sock, send, outbox
         self._read = udp.reader(sock, udp.LARGEST)
@@ -96,7 +96,7 @@ class Carrier:
         transport: Transport,
         program: socket.socket,
         report: Report = lambda _: None,
-        outbox: Outbox | None = None,
+        outbox: Outbox[bytes] | None = None,
         seal: Callable[[bytes], bytes] = lambda datagram: datagram,
     ) -> None:
         """Carry between ``transport`` and the bound UDP socket of the program.
@@ -105,7 +105,7 @@ class Carrier:
         what to send for a datagram at the moment when it is sent, such as the signed datagram.
         """
         self._transport, self._report, self._seal = transport, report, seal
-        self._outbox = outbox or Outbox()
+        self._outbox = outbox or Outbox[bytes]()
         self._program = _reachable(program)
         self._socket = udp.bind(_LOOPBACK[program.family], 0, _BUFFER)
         self._outgoing = Outgoing(self._socket, self._send, self._outbox)

@@ -82,6 +82,7 @@ class Destination:
         self._lock = threading.Lock()
         self._ways: list[_Way] = []
         self._used: tuple[_Way, ...] = ()
+        self._serves_core = True
         self.direct_to(*targets)
 
     def direct_to(self, *targets: Target) -> None:
@@ -97,8 +98,13 @@ class Destination:
             self._used = tuple(self._ways[: len(targets)])
             self._note_route()
 
+    def keep_from_core(self) -> None:
+        """Let only `send_all` send from now on, so that the native core asks Python to send each datagram."""
+        self._serves_core = False
+        self._note_route()
+
     def _note_route(self) -> None:
-        routes = [way.connected_socket for way in self._used]
+        routes = [way.connected_socket for way in self._used if self._serves_core]
         self.connected_socket.value = routes[0] if len(routes) == 1 else _NONE
 
     @property

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from needs import NO_ROS
-from page import ROOT, blocks, ports_of
+from page import ROOT, Reader, blocks, ports_of
 from polling import wait_until
 from protobuf_cpp import in_one_file
 
@@ -107,6 +107,13 @@ def test_the_basestation_in_cpp_compiles_and_runs(tmp_path: Path, domain: int) -
     subprocess.run(compile, check=True)
     with BridgeThread(REGISTRY, {"dst_a_port": port}, "error") as bridge:
         _follow([str(tmp_path / "basestation"), "127.0.0.1", str(bridge.port)], port, bridge)
+
+
+@pytest.mark.slow
+def test_a_slow_radio_is_spared(tmp_path: Path) -> None:
+    """Followed in a copy of the project: five a second leave of fifty, and a state once."""
+    with Reader.in_copy(tmp_path) as reader:
+        reader.follow(blocks(_PAGE, "A slow radio"))
 
 
 _TYPES = """

@@ -31,7 +31,7 @@ from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, KeyVal
 from roverlink.runtime.monitoring import diagnostic_array, prometheus
 from roverlink.runtime.monitoring.liveness import Liveness, SilenceLog
 from roverlink.runtime.monitoring.monitor import Monitor
-from roverlink.runtime.monitoring.state import Level, Recording, RowState, State
+from roverlink.runtime.monitoring.state import Budget, Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
 from roverlink.runtime.text.values import message_to_values
 
@@ -461,6 +461,37 @@ def test_metrics_are_served() -> None:
             urllib.request.urlopen(f"http://127.0.0.1:{server.port}/nothing")
         with pytest.raises(SetupError, match=f"cannot serve the metrics on TCP port {server.port} of 127.0.0.1"):
             prometheus.MetricsServer("127.0.0.1", server.port, lambda: state)
+
+
+def test_what_is_used_of_a_budget_is_shown_and_what_did_not_leave() -> None:
+    """In the state, on /diagnostics, on the screen, for the page and for Prometheus; the row tells its own losses."""
+    bridge = _Bridge()
+    peers = [dataclasses.replace(peer, budget=200_000) for peer in REGISTRY.peers if peer.name == "basestation"]
+    registry = dataclasses.replace(REGISTRY, peers=tuple(peers))
+    monitor = Monitor("udp_forwarder", registry, bridge, clock=lambda: bridge.now)
+    bridge.account.undelivered["basestation", "", "over_budget"] = 7
+    bridge.account.undelivered_of_row["detected_object", "over_budget"] = 7
+    bridge.account.withheld["basestation", "imu_info", "superseded"] = 5
+    bridge.account.budget_bytes["basestation"] = 300_000
+    bridge.now += 2
+    monitor.sample()
+    state = monitor.state()
+    assert state.budgets == {"basestation": Budget(200_000, 150_000.0, 300_000)}
+    assert "not delivered 7" in state.message
+    row = next(row for row in state.rows if row.name == "detected_object")
+    assert (row.dropped, row.level) == ({"over_budget": 7}, Level.ERROR)
+    heard = state_of(diagnostic_array.array_of(state, _STAMP, {}))
+    assert heard is not None
+    assert heard["node"]["withheld.basestation imu_info superseded"] == 5
+    assert {peer["name"]: peer["budget_text"] for peer in heard["peers"]}["basestation"] == "150.0 of 200 kB/s sent"
+    console = Console(file=io.StringIO(), width=200)
+    console.print(top_screen.printed([HeardBridge(heard, 0, 0)], 200))
+    shown = console.file.getvalue()  # type: ignore[attr-defined]
+    assert "undelivered: basestation over_budget 7; withheld: basestation imu_info superseded 5" in shown
+    assert "basestation: 150.0 of 200 kB/s sent" in shown
+    samples = prometheus.text_of(state)
+    assert 'roverlink_budget_sent_bytes_total{peer="basestation"} 300000.0' in samples
+    assert 'roverlink_withheld_total{payload="imu_info",peer="basestation",reason="superseded"} 5.0' in samples
 
 
 # --- logging ----------------------------------------------------------------------------------------------------

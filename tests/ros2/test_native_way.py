@@ -35,7 +35,7 @@ from roverlink.runtime.bridge.handling_times import Handle
 from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.envelope import restore
-from roverlink.runtime.core.handler import UNSTAMPED
+from roverlink.runtime.core.handler import UNSTAMPED, SendLimits
 from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.core.signing import TICKS_PER_SECOND, Key, Signer, SigningClock
 from roverlink.runtime.core.tap import Tap
@@ -87,14 +87,16 @@ class _Case(NamedTuple):
     line: bool = False
     """If true, the hardware is behind TCP, and somebody else on the network sends its rows, too."""
     paced: bool = False
-    """If true, one message of a row passes in ten days."""
+    """If true, one message of a row passes in ten days, on its topic and on its way to the basestation."""
 
 
 def _handler(handler: Any, paced: bool) -> Any:
     made = copy.copy(handler)
     # Without the stops that a bridge sends by itself, after some time.
     is_slow = paced and handler.route.name in ("pressure_info", "arm_target")
-    made.route = dataclasses.replace(handler.route, deadman=None, max_rate=1e-6 if is_slow else None)
+    limits = (("basestation", SendLimits(max_rate=1e-6)),) if is_slow else ()  # type: ignore[arg-type]
+    max_rate = 1e-6 if is_slow else None
+    made.route = dataclasses.replace(handler.route, deadman=None, max_rate=max_rate, forward_limits=limits)
     return made
 
 
@@ -323,6 +325,7 @@ def test_both_ways_do_the_same(middleware: str, case: _Case, tmp_path: Path) -> 
         assert len(seen[0]) > len(_INBOUND)
     for counted, *_ in found:
         del counted["qos_mismatches"]  # of the moment
+        assert bool(counted["withheld"]) == case.paced
     assert found[0] == found[1]
 
 

@@ -48,11 +48,15 @@ def _account() -> Account:
         undelivered=Counter({("hardware", "", "stale"): 4}),
         damaged=Counter({("hardware", "ArmBoard"): 6}),
         link_events=Counter({("hardware", "ArmBoard", "learned"): 1, ("basestation", "", "unreachable"): 2}),
-        taken=Counter(drive_motor=4, arm_ctrl=1),
+        taken=Counter(drive_motor=4, arm_ctrl=3),
         refused=Counter(arm_ctrl=1),
         superseded=Counter(drive_motor=1),
+        unchanged=Counter(arm_ctrl=2),
         failed=Counter(drive_motor=1),
         stops=Counter(drive_motor=3),
+        withheld=Counter({("basestation", "gps_info", "superseded"): 6}),
+        repeated=Counter(gps_info=2),
+        budget_bytes=Counter(basestation=900),
         extra_published=Counter({"imu/mag": 4}),
         extra_unpublished=Counter({"gps/fix": 1}),
         qos_mismatches={"imu_data": ["a subscription of /viz gets no messages"]},
@@ -65,16 +69,17 @@ def test_the_account_as_plain_values() -> None:
     """Totals, and what lies behind them; a reason that never occurred is left out."""
     values, expected = _account().as_dict(), dict[str, object]()
     assert json.loads(json.dumps(values)) == values
-    expected |= {"received": 10, "published": 5, "sent": 2, "forwarded": 5, "taken": 5, "kernel_drops": 7}
+    expected |= {"received": 10, "published": 5, "sent": 2, "forwarded": 5, "taken": 7, "kernel_drops": 7}
     expected |= {"dropped": {"conversion": 1, "malformed": 3}, "qos_mismatches": {"imu_data": 1}}
     expected |= {"refused": {"arm_ctrl": 1}, "failed": {"drive_motor": 1}, "superseded": {"drive_motor": 1}}
+    expected |= {"unchanged": {"arm_ctrl": 2}, "repeated": {"gps_info": 2}, "budget_bytes": {"basestation": 900}}
+    expected |= {"withheld": {"basestation gps_info superseded": 6}}
     expected |= {"stops": {"drive_motor": 3}, "unsent": {"hardware": 1}, "unforwarded": {"basestation": 2}}
     expected |= {"link_events": {"basestation unreachable": 2, "hardware ArmBoard learned": 1}}
     expected |= {
         "links_received": 0,
         "links_sent": {},
         "other_schemas": {},
-        "repeated": {},
         "unanswered": {},
         "clocks_ahead": {"ArmBoard": 3},
     }
@@ -101,4 +106,4 @@ def test_sums_that_do_not_agree_are_told() -> None:
     account.published["imu_info"] += 1
     assert account.discrepancies() == []
     account.sent["drive_motor"] += 1
-    assert account.discrepancies() == ["5 messages taken, but 6 sent, refused, superseded and failed"]
+    assert account.discrepancies() == ["7 messages taken, but 8 sent, refused, superseded, unchanged and failed"]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
 from roverlink.generator.lint.context import ChangedSetting, Context
 from roverlink.generator.lint.rules import LintRule
-from roverlink.generator.lock import DEADMAN, EXTRA_TOPIC, LIMITS, topics_of
+from roverlink.generator.lock import DEADMAN, EXTRA_TOPIC, FORWARD, LIMITS, topics_of
 from roverlink.generator.table import Row
 
 
@@ -153,10 +153,11 @@ def _weaker(row: Row, key: str, change: ChangedSetting) -> Iterator[tuple[str, S
 
 
 class SafetyLimitWeakened(LintRule, id="TAB111", severity=Severity.WARNING):
-    """A published row lost a limit, or has a weaker one: `max_rate`, `priority` or `expect_rate`.
+    """A published row lost a limit, or has a weaker one: `max_rate`, `priority`, `expect_rate` or `at_least`.
 
-    `max_rate` protects a board from too many messages, `priority` lets a stop overtake other messages, and
-    `expect_rate` warns when a sensor falls silent. The ledger (mapping.lock) contains the limits of each row at the
+    `max_rate` protects a board or a slow link from too many messages, also under `forward`. `priority` lets a stop
+    overtake other messages, `expect_rate` warns when a sensor falls silent, and a peer may wait for the messages that
+    `at_least` repeats. The ledger (mapping.lock) contains the limits of each row at the
     last `roverlink generate`, which then writes the new ones, so this warning appears once.
 
     Bad::
@@ -174,9 +175,11 @@ class SafetyLimitWeakened(LintRule, id="TAB111", severity=Severity.WARNING):
         """Yield a diagnostic for each limit of a row that is gone, or weaker than it was published."""
         for row in context.table.rows:
             changed = context.changed_settings(row)
-            for key in LIMITS:
-                # a row from a peer has no priority; TAB109 reports the new direction
-                if key not in changed or (key == "priority" and row.inbound) or not _is_weaker(key, changed[key]):
+            for key in changed:
+                peer, _, kind = key.removeprefix(FORWARD).rpartition(" ")
+                # TAB109 reports the new direction of a row that has no priority any more, and a lost forward
+                gone = peer not in row.forward if peer else kind == "priority" and row.inbound and not row.forward
+                if kind not in LIMITS or gone or not _is_weaker(kind, changed[key]):
                     continue
                 limit = changed[key].now
                 now = f"has `{key}` {limit.text!r}" if limit else f"has no `{key}`"
@@ -190,7 +193,7 @@ def _is_weaker(key: str, change: ChangedSetting) -> bool:
     before = [setting.amount for setting in change.before.values()]
     if change.now is None:
         return True
-    return change.now.amount > min(before) if key == "max_rate" else change.now.amount < max(before)
+    return change.now.amount > min(before) if key in ("max_rate", "at_least") else change.now.amount < max(before)
 
 
 class TopicTypeChanged(LintRule, id="TAB112", severity=Severity.WARNING):

@@ -136,6 +136,7 @@ typedef struct rl_row {
   uint32_t unused;
   uint64_t signers[4];    /* bit by the id of each key that may sign them */
   uint64_t forward;       /* bit by destination */
+  struct rl_pacer *const *forward_pacers; /* by destination, null without a limit; null if no forward has one */
   uint64_t handled;       /* N: datagrams */
 } rl_row;
 

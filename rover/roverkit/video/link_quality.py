@@ -30,6 +30,7 @@ class LinkQualities:
         """
         self._bridges, self._heard = HeardBridges(), heard
         self._by_address: dict[str, LinkQuality] = {}
+        self._left: dict[str, float] = {}
         try:
             LINK.subscribe(middleware, lambda name: name, self._take)
         except MiddlewareError as error:
@@ -39,11 +40,18 @@ class LinkQualities:
         """Return the quality of the link to an IP address; None if no bridge measures it."""
         return self._by_address.get(address)
 
+    def left_of_budget(self, peer: str) -> float | None:
+        """Return the bytes a second that a bridge leaves of a peer's budget; None if no bridge tells a budget."""
+        return self._left.get(peer)
+
     def _take(self, messages: Sequence[bytes]) -> None:
         for message in messages:
             page = self._bridges.take(message)
             if page is None:
                 continue
+            node = page["node"]
+            for peer in (key.removeprefix("budget.") for key in node if key.startswith("budget.")):
+                self._left[peer] = max(0.0, node[f"budget.{peer}"] - node.get(f"budget_used.{peer}", 0))
             links = {_end_of(link): link for link in page["links"] if "loss_out" in link}
             for end in page["ends"]:
                 if (link := links.get(_end_of(end))) is None:

@@ -44,6 +44,10 @@ class PacedLink:
             self._bytes += sum(map(len, packets))
             self._news.notify()
 
+    def limit(self, rate: float) -> None:
+        """Send at most `rate` bits a second from now on."""
+        self._byte_s = 8 / rate
+
     @property
     def delay(self) -> float:
         """Time in seconds until what waits now is sent."""

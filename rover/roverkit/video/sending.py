@@ -39,6 +39,10 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
 STREAM = "video"
 """Name of the stream that options describe."""
+_PAYLOAD = 0.95
+"""Part of a packet's bytes that are not headers of IP and UDP; and a reserve, because the bridge tells averages."""
+_LEAST_RATE = 2_500.0
+"""Least rate in bytes a second if the telemetry uses up the budget: a still image now and then."""
 _LOG_S = 10.0
 _LOOK_S = 0.1
 _IN_THE_FILE = ("port", "size", "rate", "bitrate", "overlay", "pipeline", "link_rate")
@@ -89,6 +93,7 @@ class _Sending:
         self._arguments, self._logger = arguments, logger
         self._streams: tuple[SentStream, ...] = ()
         self._addresses: dict[str, str] = {}
+        self._link: PacedLink | None = None
         self._parameters = StreamParameters(streams, ros, self._change, logger)
         self._ros = RosConnection(ros, arguments.middleware or "auto", stack, logger.warning, self._parameters)
         self._qualities: LinkQualities | None = None
@@ -100,6 +105,8 @@ class _Sending:
             self._qualities = LinkQualities(middleware, self._link_measured, logger.warning)
             self._objects = SeenObjects(middleware, ros.topic, logger.warning)
             self._control = StreamControl(middleware, ros, self._parameters)
+        elif arguments.budget_of:
+            raise SetupError("what is left of a budget comes from ROS 2; leave --middleware none out")
         elif any(set(settings.overlay) - {"time"} for settings in self._parameters.meaning):
             raise SetupError("the overlays 'objects' and 'link' come from ROS 2; leave --middleware none out")
 
@@ -114,6 +121,7 @@ class _Sending:
             self._addresses[settings.name] = address[0]
             return GStreamerOutput(settings, address) if settings.pipeline else RtpOutput(settings, address, link)
 
+        self._link = link
         self._streams = tuple(
             SentStream(
                 settings,
@@ -180,7 +188,11 @@ class _Sending:
             self._control.answer()
 
     def _link_measured(self) -> None:
-        """Tell the streams what the bridge measures, about once a second."""
+        """Tell the streams, and the link, what the bridge measures, about once a second."""
+        peer = self._arguments.budget_of
+        left = self._qualities.left_of_budget(peer) if peer and self._qualities else None
+        if left is not None and self._link:
+            self._link.limit(8 * max(_PAYLOAD * left, _LEAST_RATE))
         for stream in self._streams:
             if quality := self._quality(stream.settings):
                 stream.link_measured(quality.loss, quality.round_trip)

@@ -22,6 +22,7 @@ av = pytest.importorskip("av", reason=NO_AV)
 from roverkit.video import reordering, video_output  # noqa: E402
 from roverkit.video.decoder import Decoder  # noqa: E402
 from roverkit.video.encoder import Encoder, fitted  # noqa: E402
+from roverkit.video.link_quality import LinkQualities  # noqa: E402
 from roverkit.video.packet_pacing import PacedLink  # noqa: E402
 from roverkit.video.rate_control import Plan, RateControl  # noqa: E402
 from roverkit.video.rtp_receiver import ReceivedUnit, RtpReceiver  # noqa: E402
@@ -30,7 +31,12 @@ from roverkit.video.stream_settings import StreamSettings  # noqa: E402
 from roverkit.video.video_output import RtpOutput  # noqa: E402
 
 from rover.bench.video.radio_link import RadioLink  # noqa: E402  # they need OpenCV and PyAV
+from roverlink.runtime.core import cdr  # noqa: E402
 from roverlink.runtime.core.errors import SetupError  # noqa: E402
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue  # noqa: E402
+from roverlink.runtime.interfaces.std_msgs import Header  # noqa: E402
+from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware  # noqa: E402
+from roverlink.runtime.monitoring import diagnostic_array  # noqa: E402
 
 _HOST = "127.0.0.1"
 _BEGAN = 1_700_000_000_000_000_000
@@ -240,3 +246,22 @@ def test_streams_take_turns_on_the_link() -> None:
         wait_until(lambda: len(sent) == 8, "all packets")
     assert sent == [b"1-", b"2a", b"1a", b"2b", b"1b", b"2c", b"2d", b"2e"]
     assert link.delay == 0
+
+
+def test_the_video_takes_what_the_telemetry_leaves_of_a_budget() -> None:
+    """What a bridge tells of its budgets on /diagnostics; a link with less sends the same later."""
+    graph = Graph()
+    qualities = LinkQualities(MemoryMiddleware(graph), lambda: None, pytest.fail)
+    publish = MemoryMiddleware(graph).publisher(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS).publish
+    counts = dict.fromkeys(
+        ("received", "received_rate", "kernel_drops", "socket_waiting_bytes", "socket_size_bytes"), 0
+    )
+    node = {"fingerprint": "f", **counts, "budget.base": 200_000, "budget_used.base": 150_000}
+    status = DiagnosticStatus(0, "bridge", "", "", [KeyValue(key, str(value)) for key, value in node.items()])
+    publish([cdr.encode(DiagnosticArray(Header(), [status]))])
+    assert (qualities.left_of_budget("base"), qualities.left_of_budget("other")) == (50_000, None)
+    link = PacedLink(1e6)
+    link.add(lambda _: None, [bytes(1_000)])
+    before = link.delay
+    link.limit(1e5)
+    assert link.delay == pytest.approx(10 * before)

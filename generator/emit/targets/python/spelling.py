@@ -60,7 +60,7 @@ def handler_class(route: ir.Route) -> str:
 
 
 def route_imports(route: ir.Route) -> Iterator[Import]:
-    """Yield the imports for the attribute ``route`` of a generated handler: `Route`, `Deadman`, `Qos`."""
+    """Yield the imports for the attribute ``route`` of a generated handler: `Route`, `Deadman`, `SendLimits`, `Qos`."""
     module = "roverlink.runtime.core.handler"
     yield module, "Route"
     if route.deadman:
@@ -69,6 +69,8 @@ def route_imports(route: ir.Route) -> Iterator[Import]:
         yield module, "RowRequest"
         if route.request.service:
             yield module, "RowService"
+    if route.send or route.forward_limits:
+        yield module, "SendLimits"
     if route.qos != ir.Qos():
         yield module, "Qos"
 

@@ -60,6 +60,12 @@ def add(commands: Subparsers) -> None:
         metavar="KBIT/S",
         help="rate at which all packets together leave, so that they fill no queue on a slow radio (default: 20000)",
     )
+    parser.add_argument(
+        "--budget-of",
+        metavar="PEER",
+        help="let all packets together leave at the rate that the bridge leaves of this peer's budget (key of "
+        "mapping.yaml), by its diagnostics, instead of --link-rate",
+    )
     parser.add_argument("--loop", action="store_true", help="play a video or a folder again and again, until Ctrl-C")
     parser.add_argument(
         "--middleware",

@@ -1,0 +1,161 @@
+"""A bridge that spares a slow link: limits of forwards, a budget by priority, and only what has changed."""
+
+from __future__ import annotations
+
+import itertools
+import socket
+import struct
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from bridge_rig import QUIET, Rig, changed, envelope, of_peers, waiting
+from polling import wait_until
+from test_signed_bridge import SignedRig, signing
+
+from roverlink.runtime import Registry
+from roverlink.runtime.core.handler import Deadman, SendLimits
+
+_SO_TIMESTAMPNS = 35  # asm-generic/socket.h
+
+
+def _imu(number: int) -> bytes:
+    return envelope(imu_info={"accel_x": float(number)})
+
+
+def _forwarding(**limits: Any) -> Registry:
+    """The registry that forwards a row to the basestation with limits, and no other row."""
+    quiet = QUIET
+    for handler in QUIET.handlers:
+        quiet = changed(quiet, handler.route.name, forward=())
+    given = {"forward": ("basestation",), "forward_limits": (("basestation", SendLimits(**limits)),)}
+    return changed(quiet, "imu_info", **given)
+
+
+def _timed(sock: socket.socket) -> Iterator[tuple[float, bytes]]:
+    """What has arrived at a socket, with the kernel's time of each datagram."""
+    sock.setblocking(False)
+    while True:
+        try:
+            datagram, ((_, _, stamp),), _, _ = sock.recvmsg(65_536, 64)
+        except BlockingIOError:
+            return
+        seconds, nanoseconds = struct.unpack("qq", stamp)
+        yield seconds + nanoseconds / 1e9, datagram
+
+
+def test_a_forward_is_limited_where_its_topic_is_not() -> None:
+    """Fifty a second come, five a second leave, the newest of them; the topic gets all, and each one is counted."""
+    with Rig(_forwarding(max_rate=5)) as rig:
+        base = rig.peers["basestation"]
+        base.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
+        for number in range(1, 51):
+            rig.receive(_imu(number))
+            time.sleep(0.02)
+        account = rig.bridge.account
+        wait_until(lambda: account.forwarded["basestation"] + account.withheld.total() == 50, "the newest")
+        arrived = [*_timed(base)]
+        assert arrived[-1][1] == _imu(50)
+        assert all(later - earlier > 0.19 for (earlier, _), (later, _) in itertools.pairwise(arrived))
+        assert account.withheld == {("basestation", "imu_info", "superseded"): 50 - len(arrived)}
+        assert len(rig.on_topic["imu_data"]) == 50
+
+
+def test_a_forward_gets_only_changes_and_the_last_one_again() -> None:
+    """A state that does not change leaves once, and then as a heartbeat, although no board speaks any more."""
+    with Rig(_forwarding(on_change=True, at_least_ms=300)) as rig:
+        rig.receive(*[_imu(1)] * 5, _imu(2), _imu(1), _imu(1))
+        assert waiting(rig.peers["basestation"])[:3] == [_imu(1), _imu(2), _imu(1)]
+        assert rig.arrived("basestation", 2)[:2] == [_imu(1)] * 2
+        assert rig.account.withheld == {("basestation", "imu_info", "unchanged"): 5}
+        assert rig.account.forwarded == {"basestation": 3}
+        wait_until(lambda: rig.account.repeated["imu_info"] >= 2, "the counts")
+
+
+def test_a_row_is_sent_on_change_and_again_without_a_message() -> None:
+    """Payloads are compared, so a message whose payload is the same does not leave; a heartbeat does."""
+    with Rig(changed(QUIET, "drive_motor", send=SendLimits(on_change=True, at_least_ms=300))) as rig:
+        kind = rig.registry.by_name["drive_motor"].payload_type
+        one, two = kind(distance_to_go=1.0), kind(distance_to_go=2.0)
+        first = rig.publish("drive_motor", one, one, one)
+        second = rig.publish("drive_motor", two, two)
+        assert rig.arrived("hardware", 4)[:4] == [first, second, second, second]
+        assert (rig.account.sent["drive_motor"], rig.account.unchanged["drive_motor"]) == (2, 3)
+        wait_until(lambda: rig.account.repeated["drive_motor"] >= 2, "the counts")
+
+
+def _flooded(budget: int, **more: Any) -> Registry:
+    """The registry that forwards a sensor to the basestation, which gets commands of priority 9 within a budget."""
+    registry = of_peers(changed(QUIET, "imu_info", forward=("basestation",)), basestation={"budget": budget, **more})
+    return changed(registry, "detected_object", priority=9)
+
+
+def test_telemetry_stays_within_the_budget_and_holds_nothing_urgent() -> None:
+    """Each second that the receiver sees has few enough bytes; each datagram has left, or is counted."""
+    budget, datagram = 60_000, _imu(7)
+    with Rig(_flooded(budget)) as rig:
+        base = rig.peers["basestation"]
+        base.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
+        end, delays, log, commands = time.monotonic() + 2.5, list[float](), list[tuple[float, bytes]](), list[float]()
+
+        def arrived() -> bool:
+            new = [*_timed(base)]
+            log.extend(new)
+            commands.extend(at for at, got in new if got != datagram)
+            return len(commands) > len(delays)
+
+        while time.monotonic() < end:
+            rig.receive(*[datagram] * 40)
+            began = time.time()
+            rig.publish("detected_object")
+            wait_until(arrived, "the command")
+            delays.append(commands[-1] - began)
+        account, lost = rig.account, rig.account.undelivered_of_row
+        given = account.forwarded["basestation"] + len(delays)
+        wait_until(lambda: arrived() or len(log) + lost.total() == given, "the rest")
+        assert {row for row, _ in lost} == {"imu_info"}
+        assert {one[:2] for one in rig.bridge.account.undelivered} == {("basestation", "")}
+        assert account.forwarded["basestation"] == len(log) - len(commands) + lost.total()
+        assert account.sent["detected_object"] == len(delays) == len(commands)
+        assert account.budget_bytes["basestation"] == sum(len(datagram) + 28 for _, datagram in log)
+        for start, _ in log:
+            assert sum(len(datagram) + 28 for at, datagram in log if 0 <= at - start <= 1) <= budget
+        assert sorted(delays)[len(delays) // 2] < 0.005, delays
+
+
+def test_signatures_are_made_when_a_datagram_leaves(tmp_path: Path) -> None:
+    """What leaves later has the later timestamp, so the peer accepts all; the budget counts the signatures."""
+    with SignedRig(tmp_path, signing({"basestation": {"must_sign": True}}, _flooded(20_000))) as rig:
+        rig.receive(*[_imu(7)] * 100)
+        for _ in range(5):
+            rig.publish("detected_object")
+        rig.receive(*[_imu(8)] * 100)
+        arrived: list[bytes] = []
+        base, lost = rig.peers["basestation"], rig.account.undelivered_of_row
+        wait_until(lambda: arrived.extend(waiting(base)) or len(arrived) + lost.total() == 205, "the rest")
+        assert {rig.verdict("basestation", datagram) for datagram in arrived} == {"accepted"}
+        assert rig.account.budget_bytes["basestation"] == sum(len(datagram) + 28 for datagram in arrived)
+        assert lost
+
+
+def test_the_stops_at_the_end_are_not_held_by_what_waits() -> None:
+    """They leave before the bridge has closed, and what is too old then is counted; nothing hangs."""
+    registry = changed(QUIET, "drive_motor", deadman=Deadman(3_600_000, {"distance_to_go": 1.0}))
+    with Rig(of_peers(registry, hardware={"budget": 1_000})) as rig:
+        board = rig.peers["hardware"].dup()
+        for _ in range(40):
+            rig.publish("arm_target")
+    arrived, stop = waiting(board), envelope(drive_motor={"distance_to_go": 1.0})
+    board.close()
+    assert (arrived.count(stop), rig.account.stops["drive_motor"]) == (3, 3)
+    assert len(arrived) - 3 + rig.account.undelivered_of_row["arm_target", "over_budget"] == 40
+
+
+@pytest.mark.parametrize(("address", "headers"), [("127.0.0.1", 28), ("::1", 48)])
+def test_the_headers_of_the_network_count(address: str, headers: int) -> None:
+    """Those of IPv4 and UDP have 28 bytes, those of IPv6 and UDP 48."""
+    with Rig(of_peers(QUIET, hardware={"budget": 1_000}), dst_ip=address) as rig:
+        command = rig.publish("arm_target")
+        assert rig.account.budget_bytes["hardware"] == len(command) + headers
