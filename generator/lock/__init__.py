@@ -1,8 +1,8 @@
 """The ledger, mapping.lock: a record of every field number that was ever used, so that no number gets a new meaning.
 
 It contains the numbers of the payloads. As of the last `roverlink generate`, it also contains the settings of their
-rows (direction, types, QoS, deadman, limits, request) and the wire schema (fields and enum values with their numbers). A number
-in it counts as published: boards may send it. Rules of the file:
+rows (direction, types, QoS, deadman, limits, request) and the wire schema (fields and enum values with their numbers).
+A number in it counts as published: boards may send it. Rules of the file:
 
 - Each payload, setting, field and enum value has its own line, so a diff can be reviewed line by line.
 - The line of a payload, field or value that no longer exists is not removed, but marked as ``gone``.
