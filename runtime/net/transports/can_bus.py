@@ -56,7 +56,9 @@ def opened_bus(kind: str, place: str, receive: CanId, fd: bool, bitrate: int | N
         return can.Bus(channel=place, interface=kind, can_filters=[mine], **given)
     # Adapters raise more than errors of CAN, such as ImportError for the library of their vendor.
     except Exception as error:
-        raise OSError(f"{place}: {getattr(error, 'strerror', None) or error}") from error
+        has_none = isinstance(error, OSError) and error.errno == errno.EAFNOSUPPORT
+        why = "the kernel of this computer has no CAN" if has_none else getattr(error, "strerror", None) or error
+        raise OSError(f"{place}: {why}") from error
 
 
 class BusConnection:
