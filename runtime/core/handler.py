@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import struct
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.board_clock import BoardStamp
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import Time
@@ -106,6 +107,8 @@ class Handler(ABC, Generic[P, M]):
     """Converter between the protobuf payload of a row and the row's ROS 2 message."""
 
     route: ClassVar[Route]
+    board_stamp: ClassVar[BoardStamp | None] = None
+    """Field of the payload from which the stamp of the message follows, by the board's clock; None if none does."""
     payload_type: type[P]
     message_type: type[M]
 
@@ -144,14 +147,18 @@ class Handler(ABC, Generic[P, M]):
         return ConversionError(f"{self.route.name}{'.' if names_field else ': '}{error}")
 
 
+Stamps = Time | Callable[[Handler[Any, Any], Any], Time]
+"""Time for the headers of messages: that of reception, or a function that tells it for a handler and a payload."""
+
+
 # A function, not a method: `help` of a generated handler shows only what programs call.
-def all_to_cdr(handler: Handler[P, M], payloads: Sequence[P], stamp: Time = UNSTAMPED) -> Serialized:
+def all_to_cdr(handler: Handler[P, M], payloads: Sequence[P], stamp: Stamps = UNSTAMPED) -> Serialized:
     """Serialize several payloads of a row as ROS 2 messages; collect the errors instead of raising them."""
     messages: list[bytes] = []
     misfits: dict[int, ConversionError] = {}
     for index, payload in enumerate(payloads):
         try:
-            messages.append(handler.to_cdr(payload, stamp))
+            messages.append(handler.to_cdr(payload, stamp if isinstance(stamp, Time) else stamp(handler, payload)))
         except ConversionError as error:
             misfits[index] = error
     return Serialized(messages, misfits)

@@ -8,6 +8,7 @@ from enum import IntEnum
 
 from roverlink.runtime.bridge.handling_times import Latencies
 from roverlink.runtime.bridge.link_exchange import EndReport
+from roverlink.runtime.core.board_clock import ClockReport
 from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.monitoring.liveness import Liveness
 
@@ -70,6 +71,8 @@ class EndState:
     liveness: Liveness
     level: Level
     message: str
+    clock: ClockReport | None = None
+    """Clock of the board; None if the table uses it for no stamp."""
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.bridge.handling_times import BOUNDS_S, HandlingTimes, Latencies
 from roverlink.runtime.bridge.link_exchange import DIFFERS, UNKNOWN, EndReport
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.board_clock import ClockReport
 from roverlink.runtime.core.link_message import LinkMessage
 from roverlink.runtime.core.link_statistics import LinkStatistics
 from roverlink.runtime.core.registry import EndName
@@ -58,6 +59,7 @@ class _Bridge:
         self.times = HandlingTimes()
         self.recording: Recording | None = None
         self.links: list[EndReport] = []
+        self.clocks: dict[EndName, ClockReport] = {}
         self.monitor = Monitor("udp_forwarder", _expecting(**rates), self, lambda: self.recording, lambda: self.now)
 
     def link_states(self) -> dict[EndName, LinkState]:
@@ -71,6 +73,9 @@ class _Bridge:
 
     def link_reports(self) -> list[EndReport]:
         return self.links
+
+    def clock_reports(self) -> dict[EndName, ClockReport]:
+        return self.clocks
 
     def let(self, seconds: float, **a_second: int) -> None:
         """Let time pass, with so many messages of a row a second."""
