@@ -92,6 +92,7 @@ class BoardClock:
         self._unit = 0
         self._restarts = 0
         self._round_trip: int | None = None
+        self._unsure = 0  # usual error of the round trip
 
     def age(self, stamp: BoardStamp, count: int, arrived: int) -> int | None:
         """Take a value of the clock in a message that arrives now, and return how long ago it was measured.
@@ -124,7 +125,9 @@ class BoardClock:
             drift, first = -self._delay.drift, exchanges[0].sent
             there = [one.received_there - one.sent - drift * (one.sent - first) for one in exchanges]
             back = [one.arrived - one.sent_there + drift * (one.arrived - first) for one in exchanges]
-            self._round_trip = max(round(1000 * (_least(there) + _least(back))), 0)
+            (least, unsure), (other, of_other) = _least(there), _least(back)
+            self._round_trip = max(round(1000 * (least + other)), 0)
+            self._unsure = round(1000 * (unsure + of_other))
 
     def report(self, ahead: int) -> ClockReport:
         """Return what is known of the clock.
@@ -143,7 +146,7 @@ class BoardClock:
             "",
             offset / 1e9,
             -delay.drift,
-            (uncertainty + self._unit + self._shortest) / 1e9,
+            (uncertainty + self._unit + self._shortest + (0 if self._round_trip is None else self._unsure)) / 1e9,
             None if self._round_trip is None else self._round_trip / 1e9,
             self._restarts,
         )
@@ -174,10 +177,11 @@ class BoardClock:
         self._delay.add(*self._newest)
 
 
-def _least(differences: Sequence[float]) -> float:
-    """Return the difference of a message without any delay by queues, if those are mostly short."""
+def _least(differences: Sequence[float]) -> tuple[float, float]:
+    """Return the difference of a message without any delay by queues, if those are mostly short, and its error."""
     least = min(differences)
-    return least - (statistics.fmean(differences) - least) / (len(differences) - 1)
+    unsure = (statistics.fmean(differences) - least) / (len(differences) - 1)
+    return least - unsure, unsure
 
 
 def _fit(before: _Arrival, after: _Arrival) -> bool:

@@ -241,6 +241,30 @@ def test_what_the_link_messages_tell_is_in_the_diagnostics_and_on_the_screen_of_
     assert "basestation: no link message yet\n" in shown
 
 
+def test_the_clocks_of_boards_are_on_diagnostics_and_in_the_metrics() -> None:
+    """A clock that is not known says why; the end of a board shows no clock that stamps nothing."""
+    bridge = _Bridge()
+    bridge.clocks = {
+        EndName("hardware", "SensorBoard"): ClockReport("", -1.79e9, 2e-5, 3e-4, 2e-4, 1),
+        EndName("hardware", "ArmBoard"): ClockReport("stamps are times of receipt: why", None, None, None, None, 0),
+    }
+    state = bridge.monitor.state()
+    shown = state_of(diagnostic_array.array_of(state, 0, {"instance": "a"}))
+    assert shown is not None
+    ends = {end.get("board"): end for end in shown["ends"]}
+    clock = {"clock_offset": -1.79e9, "clock_drift": 2e-5, "clock_uncertainty": 3e-4, "clock_round_trip": 2e-4}
+    assert {"stamps": "board", "clock_restarts": 1, **clock}.items() <= ends["SensorBoard"].items()
+    assert ends["ArmBoard"]["stamps"] == "receipt"
+    assert ends["ArmBoard"]["message"] == "stamps are times of receipt: why"
+    assert "stamps" not in ends["DrivingBoard"]
+    (peer,) = (one for one in shown["peers"] if one["name"] == "hardware")
+    assert {board["name"]: board.get("stamps") for board in peer["boards"]}["ArmBoard"] == "receipt"
+    lines = [line for line in prometheus.text_of(state).splitlines() if line.startswith("roverlink_board_clock_")]
+    assert 'roverlink_board_clock_known{board="ArmBoard",peer="hardware"} 0.0' in lines
+    assert 'roverlink_board_clock_uncertainty_seconds{board="SensorBoard",peer="hardware"} 0.0003' in lines
+    assert len(lines) == 7
+
+
 def test_what_the_link_messages_tell_is_in_the_metrics() -> None:
     """Each measurement is a metric with the labels peer and board, in seconds and shares; unknown ones are missing."""
     bridge = _Bridge()

@@ -187,7 +187,7 @@ class Filling:
             return None
         source, unit = moment.source, entries["unit"]
         if source.type not in _COUNTERS:
-            message = f"a clock of the board counts in whole numbers, but {source.dotted!r} is a {source.type}"
+            message = f"{source.dotted!r} is a {source.type}, which cannot be the counter of a board"
             help = "use a field of the type uint32, uint64, fixed32, fixed64 or int64"
             self._report(standard_rules.NoBoardClock.at(entries["from"].span, message, help))
             return None
