@@ -20,6 +20,7 @@ from roverlink.runtime.ros_time.clock import MONOTONIC_CLOCK, SYSTEM_CLOCK
 from roverlink.runtime.ros_time.headers import stamp_of
 from roverlink.simulation.scenarios import World
 
+pytestmark = pytest.mark.slow
 _S, _MS, _US = 10**9, 10**6, 10**3
 _TABLE = "ros: {package: depth_msgs}\npython: {package: depth_rover}\npeers: {board: {}}\nmessages:\n"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,6 +21,7 @@ _QUEUES: dict[str, Callable[[random.Random], float]] = {
 }
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(
     seed=st.integers(0, 2**32),
@@ -65,6 +67,7 @@ def test_a_stamp_is_less_than_a_millisecond_wrong_and_says_how_much(
     assert abs((clock.report(0).drift or 0) - drift) < (1.5e-5 if stamp.nanoseconds <= _US else 5e-5)
 
 
+@pytest.mark.slow
 def test_a_clock_without_a_quartz_is_learned_as_well() -> None:
     """A drift of 1 % is no reason for stamps that are wrong, once it is known."""
     rng, clock, stamp = random.Random(1), BoardClock(), BoardStamp(("at",), _US, 32)  # noqa: S311  # repeatable

@@ -207,6 +207,7 @@ def test_a_board_that_restarts_causes_no_jump(seed: int, motors: bool) -> None:
     assert all(metres <= 0.55 * seconds + 0.05 for seconds, metres in _steps(link))
 
 
+@pytest.mark.slow
 @given(_seeds, st.integers(0, 2))
 @settings(max_examples=5, deadline=None)
 def test_with_an_odometer_the_distance_is_exact_over_a_bad_link(seed: int, restarts: int) -> None:
