@@ -15,14 +15,11 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Sequence
-from functools import reduce
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
+from roverlink.runtime.core.handler import BoardStamp
 from roverlink.runtime.core.link_statistics import Exchange
 from roverlink.runtime.core.shortest_delay import BLOCK_NS, LEAST, ShortestDelay
-
-if TYPE_CHECKING:
-    from google.protobuf.message import Message as ProtoMessage
 
 _LEAST_EXCHANGES = 8
 _REORDERED = 1_000_000_000
@@ -32,27 +29,6 @@ _LATE = 5_000_000_000
 """
 _AGREEMENT = 500_000_000
 """Largest difference of the time between two values and the time between their arrivals, after a start of the board."""
-
-
-class BoardStamp(NamedTuple):
-    """Field of a payload that holds the value of the board's clock at the time of measuring."""
-
-    path: tuple[str, ...]
-    nanoseconds: int
-    """Nanoseconds of one unit of the field."""
-    bits: int
-
-    def count(self, payload: ProtoMessage) -> int:
-        """Return the value in a payload."""
-        value: Any = payload
-        for name in self.path:
-            value = getattr(value, name)
-        return int(value)
-
-    def set(self, payload: ProtoMessage, time: int) -> None:
-        """Set the value in a payload to a time since the start of the board, as the board would."""
-        *holders, name = self.path
-        setattr(reduce(getattr, holders, payload), name, time // self.nanoseconds % 2**self.bits)
 
 
 class ClockReport(NamedTuple):

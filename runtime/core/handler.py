@@ -9,10 +9,10 @@ import struct
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.board_clock import BoardStamp
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import Time
@@ -53,6 +53,27 @@ class Deadman:
     """Payload of the stop: values by the dotted path of the proto field; all other fields are zero."""
     repeat_ms: int = 1000
     """Interval in milliseconds at which the stop is repeated while the topic is silent."""
+
+
+class BoardStamp(NamedTuple):
+    """Field of a payload that holds the value of the board's clock at the time of measuring."""
+
+    path: tuple[str, ...]
+    nanoseconds: int
+    """Nanoseconds of one unit of the field."""
+    bits: int
+
+    def count(self, payload: ProtoMessage) -> int:
+        """Return the value in a payload."""
+        value: Any = payload
+        for name in self.path:
+            value = getattr(value, name)
+        return int(value)
+
+    def set(self, payload: ProtoMessage, time: int) -> None:
+        """Set the value in a payload to a time since the start of the board, as the board would."""
+        *holders, name = self.path
+        setattr(reduce(getattr, holders, payload), name, time // self.nanoseconds % 2**self.bits)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from google.protobuf.message import EncodeError
 
-from roverlink.runtime.core.board_clock import BoardStamp
 from roverlink.runtime.core.errors import ConversionError, RegistryError, SetupError
-from roverlink.runtime.core.handler import Handler, Route
+from roverlink.runtime.core.handler import BoardStamp, Handler, Route
 from roverlink.runtime.core.messages import fields_of
 from roverlink.runtime.core.standard_handler import StandardHandler
 

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from roverlink.runtime.core.board_clock import BoardClock, BoardStamp
+from roverlink.runtime.core.board_clock import BoardClock
+from roverlink.runtime.core.handler import BoardStamp
 from roverlink.runtime.core.link_message import LinkMessage
 from roverlink.runtime.core.link_statistics import LinkStatistics
 

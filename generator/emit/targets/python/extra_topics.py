@@ -47,7 +47,7 @@ def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: 
     }
     board_stamp = standard.board_stamp
     if board_stamp is not None:
-        imports.add(("roverlink.runtime.core.board_clock", "BoardStamp"))
+        imports.add(("roverlink.runtime.core.handler", "BoardStamp"))
     if standard.obstacle:
         imports.add(("roverlink.runtime.core.errors", "ConversionError"))
     spelled = [argument.value for argument in (*to_ros, *from_ros)]
