@@ -3,7 +3,8 @@
 The clock is compared with one of this computer that never jumps, so that setting this computer's time changes no age.
 A value has 32 or 64 bits; after the largest one, the counter starts again at 0. A value is strange if it fell back or
 does not fit the time that has passed. Such a message gets the time of its receipt. Two strange values one after the
-other that fit each other are a new start of the board: everything that was known is forgotten.
+other that fit each other are a new start of the board: everything that was known is forgotten. So is a new session of
+its link messages.
 
 Nothing that goes in one direction only can tell the shortest delay. So half of the shortest round trip is the rest of
 each age, if link messages have measured it; else ages are too short by the shortest delay.
@@ -67,6 +68,7 @@ class BoardClock:
         self._strange: _Arrival | None = None
         self._unit = 0
         self._restarts = 0
+        self._exchanges = 0  # number of the exchanges that were given last
         self._round_trip: int | None = None
         self._unsure = 0  # usual error of the round trip
 
@@ -96,6 +98,11 @@ class BoardClock:
 
         Both ways may have been the fastest in different exchanges, because the drift between them is known.
         """
+        # The exchanges begin again with each session of the board. A counter that began again may fit by chance.
+        if len(exchanges) < self._exchanges and self._delay.blocks >= LEAST:
+            self._restarts += 1
+            self._delay, self._newest = ShortestDelay(), None
+        self._exchanges = len(exchanges)
         self._round_trip = None
         if len(exchanges) >= _LEAST_EXCHANGES:
             drift, first = -self._delay.drift, exchanges[0].sent

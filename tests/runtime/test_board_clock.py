@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from roverlink.runtime.core.board_clock import BoardClock
 from roverlink.runtime.core.handler import BoardStamp
 from roverlink.runtime.core.link_message import LinkMessage
-from roverlink.runtime.core.link_statistics import LinkStatistics
+from roverlink.runtime.core.link_statistics import Exchange, LinkStatistics
 
 _S, _MS, _US = 10**9, 10**6, 10**3
 
@@ -79,3 +79,15 @@ def test_a_clock_without_a_quartz_is_learned_as_well() -> None:
         if index > 1500:
             assert age is not None
             assert abs(arrived - age - now) < _MS
+
+
+def test_a_new_session_begins_again_although_the_counter_fits() -> None:
+    """After a restart, a counter of 32 bits may by chance have the value that was expected."""
+    clock, stamp = BoardClock(), BoardStamp(("at",), _US, 32)
+    exchanges = [Exchange(one, one, one, one) for one in range(8)]
+    clock.take_exchanges(exchanges)
+    ages = [clock.age(stamp, second * 1_000_000, second * _S) for second in range(20)]
+    assert ages[-1] == 0
+    clock.take_exchanges(exchanges[:1])
+    assert clock.age(stamp, 20_000_000, 20 * _S) is None
+    assert clock.report(0).restarts == 1
