@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import time
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,9 @@ from page import ROOT, blocks
 
 from roverlink.generator.pipeline import compile_table
 from roverlink.runtime import Registry, load_registry
-from roverlink.runtime.core import cdr
+from roverlink.runtime.core import cdr, link_message
 from roverlink.runtime.core.board_clock import ClockReport
+from roverlink.runtime.core.link_message import LinkWriter
 from roverlink.runtime.native.core import LIBRARY, open_core
 from roverlink.runtime.ros_time.clock import MONOTONIC_CLOCK, SYSTEM_CLOCK
 from roverlink.runtime.ros_time.headers import stamp_of
@@ -22,7 +24,7 @@ from roverlink.simulation.scenarios import World
 
 pytestmark = pytest.mark.slow
 _S, _MS, _US = 10**9, 10**6, 10**3
-_TABLE = "ros: {package: depth_msgs}\npython: {package: depth_rover}\npeers: {board: {}}\nmessages:\n"
+_TABLE = "ros: {package: depth_msgs}\npython: {package: depth_rover}\npeers: {board: {}}\nlink: {number: 9}\n"
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +33,7 @@ def registry(tmp_path_factory: pytest.TempPathFactory) -> Registry:
     shown = {one.language: one.text for one in blocks(ROOT / "docs" / "conversions.md", "The time of measuring")}
     folder = tmp_path_factory.mktemp("depth")
     proto = shown["proto"].splitlines()[0].removeprefix("// ")
-    _write(folder, {"mapping.yaml": usual_table(_TABLE) + shown["yaml"], proto: shown["proto"]})
+    _write(folder, {"mapping.yaml": usual_table(f"{_TABLE}messages:\n") + shown["yaml"], proto: shown["proto"]})
     _write(folder, compile_table(folder / "mapping.yaml").files)
     return load_registry(folder, "depth_rover")
 
@@ -111,6 +113,29 @@ def test_the_topic_has_the_time_of_measuring(registry: Registry, monkeypatch: py
         assert _is_measuring(board.measure(50))
         board.now += 25 * _S
         assert _is_receipt(board.measure(5))
+
+
+def test_link_messages_tell_the_shortest_delay(registry: Registry, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of the shortest round trip is taken off each stamp, and is a part of the uncertainty."""
+    monkeypatch.setattr(link_message, "PERIOD_S", 0.01)
+    board = _Board(registry, monkeypatch)
+    assert registry.link is not None
+    writer = LinkWriter(registry.envelope, 7, registry.link.hashes)
+    with board.rig as rig:
+        board.measure(110)
+        before, alone = board.arrive(board.now + 100 * _MS, 5 * _MS), board.clock
+        assert (alone.round_trip, alone.problem) == (None, "")
+        while board.clock.round_trip is None:
+            told: Any = registry.envelope.FromString(rig.peers["board"].recv(2000))
+            now_us = time.monotonic_ns() // _US
+            writer.note_heard(link_message.read(told.link), now_us, 0)
+            rig.receive(writer.write(now_us))
+        after, with_link = board.arrive(board.now + 100 * _MS, 5 * _MS), board.clock
+        assert with_link.round_trip is not None
+        assert alone.uncertainty is not None
+        assert with_link.uncertainty is not None
+        assert before - after == pytest.approx(with_link.round_trip / 2 * _S, abs=_MS / 10)
+        assert with_link.uncertainty > with_link.round_trip / 2
 
 
 @pytest.mark.skipif(not LIBRARY.is_file(), reason="the native core is not compiled")
