@@ -21,6 +21,7 @@ from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.bridge.handling_times import HandlingTimes, Latencies
 from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME, UNKNOWN, EndReport
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.board_clock import ClockReport
 from roverlink.runtime.core.link_message import LinkMessage
 from roverlink.runtime.core.link_statistics import LinkStatistics
 from roverlink.runtime.core.registry import EndName
@@ -90,6 +91,10 @@ class _Bridge:
     def link_reports(self) -> list[EndReport]:
         """Return no report: the table has no link message."""
         return []
+
+    def clock_reports(self) -> dict[EndName, ClockReport]:
+        """Return no report: the table uses the clock of no board."""
+        return {}
 
 
 class FollowedPage:

@@ -25,7 +25,7 @@ _GONE_S = 60.0
 
 _TEXTS = (
     *("full_name", "host", "instance", "fingerprint", "topic", "direction", "board", "recording"),
-    *("address", "link", "fault", "state"),
+    *("address", "link", "fault", "state", "stamps"),
     *("schema", "differing", "untold"),
 )
 _NODE_VALUES = frozenset(("received", "received_rate", "kernel_drops", "socket_waiting_bytes", "socket_size_bytes"))

@@ -206,7 +206,8 @@ def peers_of(
     ``ends`` are the ends of the link in the bridge's state. A peer or board with an address of its own has this
     ``address`` and ``link``, the state of the address. ``links`` are the results of the link messages; a peer or board
     with a result has it as ``report``. ``differing`` are the rows of which it has other protos, ``loss`` is the larger
-    share of the datagrams that are lost in one of the two directions, and ``loss_level`` is OK, WARN or ERROR.
+    share of the datagrams that are lost in one of the two directions, and ``loss_level`` is OK, WARN or ERROR. A board
+    whose clock stamps messages has ``stamps``, board or receipt, and ``clock_uncertainty`` in seconds if it is known.
     """
     # A peer to which rows are only forwarded has no row of its own.
     peers = [_peer(name, node, rows, ends) for name in dict.fromkeys(entry["peer"] for entry in (*rows, *ends))]
@@ -218,6 +219,8 @@ def peers_of(
             if end is not None and (not board or end.get("address") != peer.get("address")):
                 shown |= {"address": end.get("address", ""), "link": end["link"]}
                 shown |= {"fault": end["fault"]} if "fault" in end else {}
+            if end is not None:
+                shown |= {key: end[key] for key in ("stamps", "clock_uncertainty") if key in end}
             report = report_of.get((peer["name"], board), {})
             shown |= {"report": report} if report else {}
             shown["differing"] = report["differing"].split(", ") if report.get("differing") else []

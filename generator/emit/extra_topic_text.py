@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from roverlink.generator.ir import StandardTopic
 from roverlink.generator.ir.interfaces import (
+    BoardTime,
     Chosen,
     Constant,
     Expression,
@@ -46,6 +47,8 @@ def _words(value: Expression) -> str:
         return f"`{value.source.dotted}` ({cases}{default})"
     if isinstance(value, Rotation):
         return "roll {}, pitch {}, yaw {}".format(*(_words(part) for part in (value.roll, value.pitch, value.yaw)))
+    if isinstance(value, BoardTime):
+        return f"time of measuring: `{value.counter.dotted}`, each {value.nanoseconds} ns, by the clock of the board"
     if isinstance(value, Moment):
         if value.source is None:
             return "time of reception"

@@ -135,6 +135,11 @@ class Source:
         """True if the field holds integers."""
         return "int" in self.type
 
+    @property
+    def bits(self) -> int:
+        """Number of bits of an integer."""
+        return 64 if "64" in self.type else 32
+
 
 @dataclass(frozen=True, slots=True)
 class Scaling:
@@ -230,9 +235,17 @@ class Moment:
     """Expression: a time or duration from a field of the payload, or the time of the datagram's reception."""
 
     source: Source | None
-    """Field of the payload; None for the time of the datagram's reception."""
+    """Field of the payload; None for a time that the caller of the conversion tells."""
     nanoseconds: Fraction = Fraction(1)
     """Number of nanoseconds in one unit of the payload's field."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoardTime(Moment):
+    """Expression: the time of measuring by the clock of the board, at which the caller stamps the message."""
+
+    counter: Source
+    """Field of the payload that counts since the start of the board, in units of `nanoseconds`."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Literal
 
-from roverlink.generator.ir.interfaces import Interface, Recovered, TargetField
+from roverlink.generator.ir.interfaces import BoardTime, Interface, Parts, Recovered, TargetField
 
 
 @dataclass(frozen=True, slots=True)
@@ -377,6 +377,13 @@ class StandardTopic:
     def local_name(self) -> str:
         """Name of the proto message without its package."""
         return self.proto.removeprefix(f"{self.proto_package}.")
+
+    @property
+    def board_stamp(self) -> BoardTime | None:
+        """Time of measuring by the clock of the board, for the header of the message; None if it is another time."""
+        messages = [target.value.fields for target in self.fields if isinstance(target.value, Parts)]
+        times = [part.value for parts in messages for part in parts if isinstance(part.value, BoardTime)]
+        return times[0] if times else None
 
     @property
     def refusal(self) -> str:

@@ -207,8 +207,16 @@ _STAMP = AnyOf(
         Text(choices=("receive",)),
         Object(
             {
-                "from": Key(_SOURCE, Meaning("The proto field: the time since 1970-01-01 in UTC."), True),
+                "from": Key(
+                    _SOURCE,
+                    Meaning("The proto field: the time since 1970-01-01 in UTC, or with `clock` that since a start."),
+                    True,
+                ),
                 "unit": Key(Text(), Meaning("The unit of that proto field."), True),
+                "clock": Key(
+                    Text(choices=("board",)),
+                    Meaning("`board`: the field is a counter that the board has started with itself."),
+                ),
             }
         ),
     )
@@ -674,8 +682,10 @@ class StandardTopicSettings(Part):
     stamp: Annotated[
         Annotated[Form, _STAMP] | None,
         Meaning(
-            "The time in the header of a standard message: `receive` (when the datagram arrived) or a proto field.",
+            "The time in the header of a standard message: `receive` (when the datagram arrived), a proto field, or "
+            "with `clock: board` the time of measuring by the clock of the board.",
             default="`receive`",
+            see="conversions.md#the-time-of-measuring",
         ),
     ] = None
     unset: Annotated[

@@ -141,8 +141,8 @@ def run(arguments: argparse.Namespace) -> int:
         keys = stack.enter_context(SimulatedKeys(registry, key_files)) if key_files else None
         world = World(registry, random.Random(arguments.seed), longest, keys)  # noqa: S311  # repeatable, not secret
         stream = emissions(world, hertz, arguments.scenario)
-        # Signatures and link messages are numbered, so that none can be sent twice.
-        if hertz >= _PREPARED_FROM_HZ and keys is None and registry.link is None:
+        # Signatures and link messages are numbered and the clocks of boards count, so that none can be sent twice.
+        if hertz >= _PREPARED_FROM_HZ and keys is None and registry.link is None and not registry.board_stamps:
             stream = _repeated(stream, _PREPARED)
         totals = RunTotals()
         if arguments.bridge is None:

@@ -439,12 +439,19 @@ function showEnd(made, end, rates) {
   setClass(fault, `level ${["unreachable", "not_connected"].includes(end.link) ? "ERROR" : "WARN"}`);
   setPart(fault, end.fault ? `✕ ${end.fault}` : (LINK_FAULTS[end.link] ?? ""));
   const heard = rates ? end.age !== null : end.state === "silent";
-  setPart(facts, [heard ? `last message ${ageText(end.age)} ago` : "", rates, end.address].filter(Boolean).join("; "));
+  const last = heard ? `last message ${ageText(end.age)} ago` : "";
+  setPart(facts, [last, rates, end.address, stampsText(end)].filter(Boolean).join("; "));
   const report = end.report;
   setClass(schema, `schema ${report ? SCHEMA_CLASSES[report.schema] : ""}`);
   setClass(statistics, end.loss_level === "OK" ? "" : end.loss_level);
   setPart(schema, report ? [SCHEMA_TEXTS[report.schema], report.differing].filter(Boolean).join(": ") : "");
   setPart(statistics, report ? statisticsText(report) : "");
+}
+
+// Says where the stamps come from, if the table uses the clock of the board.
+function stampsText(end) {
+  if (end.stamps !== "board") return end.stamps ? "stamps: times of receipt" : "";
+  return `stamps: clock of the board ± ${(1000 * end.clock_uncertainty).toFixed(1)} ms`;
 }
 
 function setPart(node, text) {

@@ -79,6 +79,8 @@ class World:
         """
         handler = self.registry.by_name[name]
         payload = payload_at(handler.payload_type, seconds)
+        if stamp := self.registry.board_stamps.get(name):
+            stamp.set(payload, round(seconds * 1e9))
         return self.signed(end_of(handler), self.registry.datagram(name, payload))
 
     def link_message(self, end: EndName, seconds: float, life: int = 0) -> bytes:

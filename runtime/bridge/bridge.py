@@ -26,6 +26,7 @@ from typing import Any, Protocol
 from roverlink.runtime.bridge import request_rows
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.admission import Admission
+from roverlink.runtime.bridge.board_clocks import BoardClocks
 from roverlink.runtime.bridge.budgets import BudgetedPeer, Budgets
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends, LinkState
@@ -41,10 +42,11 @@ from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
 from roverlink.runtime.bridge.to_peer import OutboundRow, Send
 from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
+from roverlink.runtime.core.board_clock import ClockReport
 from roverlink.runtime.core.errors import DatagramError, FailedThreadError, Reason, RoverlinkError, SetupError
+from roverlink.runtime.core.handler import Stamps
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, EndName, Registry
 from roverlink.runtime.core.translator import Translation, Translator
-from roverlink.runtime.interfaces import Time
 from roverlink.runtime.keys.signed_links import SignedLinks
 from roverlink.runtime.middleware import Middleware, Publisher, Subscription
 from roverlink.runtime.native.core import NoCoreError, open_core
@@ -108,6 +110,7 @@ class Bridge:
         self._signed_peers = SignedPeers(registry, links)
         self._translator = self._signed_peers.translator()
         self._logger, self._clock = logger, clock
+        self._board_clocks = BoardClocks(registry, clock)
         self._socket = udp.bind(
             parameters.listen_address, parameters.listen_port, parameters.receive_buffer, "parameter listen_port"
         )
@@ -298,6 +301,10 @@ class Bridge:
         """Return what the link messages of each end tell; empty for a table without the link message."""
         return self._link.reports() if self._link is not None else []
 
+    def clock_reports(self) -> dict[EndName, ClockReport]:
+        """Return what is known of the clock of each board that stamps messages (table key ``clock: board``)."""
+        return self._board_clocks.reports()
+
     def _exchange(self, policy: str) -> LinkExchange | None:
         link = self._registry.link
         if link is None:
@@ -456,12 +463,12 @@ class Bridge:
     def _dispatch(self, batch: udp.Batch, translator: Translator) -> None:
         # The receiver reads one byte more than allowed, so a longer datagram is recognized although the kernel cut it.
         fitting = self._without_oversized(batch)
-        stamp = Time.since_1970(self._clock.now())
-        translation = translator.receive_all(fitting, stamp)
+        stamps = self._board_clocks.stamps()
+        translation = translator.receive_all(fitting, stamps)
         for refusal in translation.refusals:
             self._counters.count_dropped(refusal)
-        self._publish(translation, stamp)
-        speakers = self._link.take(translation) if self._link is not None else []
+        self._publish(translation, stamps)
+        speakers = self._take_links(self._link, translation) if self._link is not None else []
         # Forward after publishing: topics have priority, and the policy `mapping` needs the names.
         self._forwarding.forward(fitting, translation.names, translation.restored)
         if self._sender is not None:
@@ -476,10 +483,16 @@ class Bridge:
             )
         return fitting
 
-    def _publish(self, translation: Translation, stamp: Time) -> None:
+    def _take_links(self, link: LinkExchange, translation: Translation) -> list[EndName]:
+        speakers = link.take(translation)
+        for end in speakers:
+            self._board_clocks.exchanged(end, link.exchanges(end))
+        return speakers
+
+    def _publish(self, translation: Translation, stamps: Stamps) -> None:
         for name, messages in translation.messages.items():
             self._inbound_rows[name].take(messages)
-        self._extra_topics.publish(translation.extra_topics, stamp)
+        self._extra_topics.publish(translation.extra_topics, stamps)
 
     def _publisher(self, handler: AnyHandler) -> Publisher:
         return self._middleware.publisher(self._topic(handler.route.topic), handler.message_type, handler.route.qos)

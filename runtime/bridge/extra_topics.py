@@ -9,9 +9,8 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
-from roverlink.runtime.core.handler import all_to_cdr
+from roverlink.runtime.core.handler import Stamps, all_to_cdr
 from roverlink.runtime.core.registry import AnyStandardHandler
-from roverlink.runtime.interfaces import Time
 from roverlink.runtime.middleware import NOT_ACCEPTED, Publisher
 
 if TYPE_CHECKING:
@@ -30,10 +29,12 @@ class ExtraTopics:
         """Store the publisher of an extra topic; ``handler`` converts payloads for this topic."""
         self.publishers[handler] = publisher
 
-    def publish(self, batch: Iterable[tuple[AnyStandardHandler, Sequence[ProtoMessage]]], stamp: Time) -> None:
+    def publish(self, batch: Iterable[tuple[AnyStandardHandler, Sequence[ProtoMessage]]], stamp: Stamps) -> None:
         """Convert and publish the payloads of a batch, with one call of the publisher for each topic.
 
-        ``batch`` holds the handler of each extra topic with the payloads for the topic; ``stamp`` is the receive time.
+        ``batch`` holds the handler of each extra topic with the payloads for the topic; ``stamp`` is the receive time,
+        or tells that of measuring.
+
         If a topic has no subscribers, its payloads are neither converted nor counted, unless the topic's durability is
         transient_local.
         """
@@ -44,7 +45,7 @@ class ExtraTopics:
                 self._publish(handler, publisher, payloads, stamp)
 
     def _publish(
-        self, handler: AnyStandardHandler, publisher: Publisher, payloads: Sequence[ProtoMessage], stamp: Time
+        self, handler: AnyStandardHandler, publisher: Publisher, payloads: Sequence[ProtoMessage], stamp: Stamps
     ) -> None:
         messages, misfits = all_to_cdr(handler, payloads, stamp)
         # A value that does not fit must not stop the row's own topic, so it is counted here and not raised.

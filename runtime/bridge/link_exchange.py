@@ -28,7 +28,7 @@ from roverlink.runtime.core import link_message
 from roverlink.runtime.core.envelope import strip_trailing_zeros
 from roverlink.runtime.core.errors import NOT_PROVEN
 from roverlink.runtime.core.link_message import LinkMessage, LinkWriter
-from roverlink.runtime.core.link_statistics import LinkStatistics
+from roverlink.runtime.core.link_statistics import Exchange, LinkStatistics
 from roverlink.runtime.core.principals import EndRows, Principal
 from roverlink.runtime.core.registry import EndName, Registry
 from roverlink.runtime.core.translator import Translation
@@ -332,6 +332,12 @@ class LinkExchange:
                 if end in whole or (EndName(end.peer) not in whole and (end.board or not self._has_boards(end.peer))):
                     reports.append(self._report(end, now, self._now_us() - wall_us))
             return sorted(reports, key=lambda report: report.end)
+
+    def exchanges(self, end: EndName) -> Sequence[Exchange]:
+        """Return the last exchanges with the sender of an end that was heard last."""
+        with self._lock:
+            senders = self._of_end(end)
+            return tuple(senders[0].statistics.exchanges) if senders else ()
 
     def _has_boards(self, peer: str) -> bool:
         return any(end.peer == peer and end.board for end in self._own)

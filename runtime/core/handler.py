@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import struct
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from roverlink.runtime.core import cdr
@@ -52,6 +53,27 @@ class Deadman:
     """Payload of the stop: values by the dotted path of the proto field; all other fields are zero."""
     repeat_ms: int = 1000
     """Interval in milliseconds at which the stop is repeated while the topic is silent."""
+
+
+class BoardStamp(NamedTuple):
+    """Field of a payload that holds the value of the board's clock at the time of measuring."""
+
+    path: tuple[str, ...]
+    nanoseconds: int
+    """Nanoseconds of one unit of the field."""
+    bits: int
+
+    def count(self, payload: ProtoMessage) -> int:
+        """Return the value in a payload."""
+        value: Any = payload
+        for name in self.path:
+            value = getattr(value, name)
+        return int(value)
+
+    def set(self, payload: ProtoMessage, time: int) -> None:
+        """Set the value in a payload to a time since the start of the board, as the board would."""
+        *holders, name = self.path
+        setattr(reduce(getattr, holders, payload), name, time // self.nanoseconds % 2**self.bits)
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +182,8 @@ class Handler(ABC, Generic[P, M]):
     """Converter between the protobuf payload of a row and the row's ROS 2 message."""
 
     route: ClassVar[Route]
+    board_stamp: ClassVar[BoardStamp | None] = None
+    """Field of the payload from which the stamp of the message follows, by the board's clock; None if none does."""
     payload_type: type[P]
     message_type: type[M]
 
@@ -198,14 +222,18 @@ class Handler(ABC, Generic[P, M]):
         return ConversionError(f"{self.route.name}{'.' if names_field else ': '}{error}")
 
 
+Stamps = Time | Callable[[Handler[Any, Any], Any], Time]
+"""Time for the headers of messages: that of reception, or a function that tells it for a handler and a payload."""
+
+
 # A function, not a method: `help` of a generated handler shows only what programs call.
-def all_to_cdr(handler: Handler[P, M], payloads: Sequence[P], stamp: Time = UNSTAMPED) -> Serialized:
+def all_to_cdr(handler: Handler[P, M], payloads: Sequence[P], stamp: Stamps = UNSTAMPED) -> Serialized:
     """Serialize several payloads of a row as ROS 2 messages; collect the errors instead of raising them."""
     messages: list[bytes] = []
     misfits: dict[int, ConversionError] = {}
     for index, payload in enumerate(payloads):
         try:
-            messages.append(handler.to_cdr(payload, stamp))
+            messages.append(handler.to_cdr(payload, stamp if isinstance(stamp, Time) else stamp(handler, payload)))
         except ConversionError as error:
             misfits[index] = error
     return Serialized(messages, misfits)

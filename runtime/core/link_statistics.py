@@ -21,6 +21,7 @@ _BITS = 2**32
 _WINDOW = 16  # link messages over which the recent loss is computed
 _SAMPLES = 8  # RFC 5905, section 10: stages of the clock filter
 _REMEMBERED = 64  # sequence numbers; an older one that comes late is taken for a duplicate
+_EXCHANGES = 64  # about a minute, so that some of them find no queue
 _JUMP_US = 60_000_000  # a difference of transit times above it is a jump of the sender's clock
 _TOLERANCE_US = 1000  # round trips may seem negative by this much, because two clocks never run equally fast
 
@@ -30,6 +31,16 @@ class _Sample(NamedTuple):
 
     round_trip_us: int
     offset_us: int
+
+
+class Exchange(NamedTuple):
+    """Two link messages: one to the sender, and one of the sender that answers it. Times are in microseconds."""
+
+    sent: int
+    received_there: int
+    """Time on the clock of the other end, as the next one."""
+    sent_there: int
+    arrived: int
 
 
 class LossCount:
@@ -86,6 +97,8 @@ class LinkStatistics:
         self._transit_us: int | None = None
         self._echo_us = 0
         self._samples: deque[_Sample] = deque(maxlen=_SAMPLES)
+        self.exchanges: deque[Exchange] = deque(maxlen=_EXCHANGES)
+        """Last exchanges, the oldest one first."""
 
     @property
     def jitter_us(self) -> float | None:
@@ -156,6 +169,7 @@ class LinkStatistics:
             change_us = abs(transit_us - self._transit_us)
             if change_us > _JUMP_US:
                 self._samples.clear()
+                self.exchanges.clear()
             else:
                 self._jitter_us = (self._jitter_us or 0.0) + (change_us - (self._jitter_us or 0.0)) / 16
         self._transit_us = transit_us
@@ -167,6 +181,7 @@ class LinkStatistics:
         if round_trip_us >= -_TOLERANCE_US:
             offset_us = ((received_there_us - sent_us) + (message.time_us - arrived_us)) // 2
             self._samples.append(_Sample(max(0, round_trip_us), offset_us))
+            self.exchanges.append(Exchange(sent_us, received_there_us, message.time_us, arrived_us))
 
 
 def _difference(counter: int, before: int) -> int:

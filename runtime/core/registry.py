@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from google.protobuf.message import EncodeError
 
 from roverlink.runtime.core.errors import ConversionError, RegistryError, SetupError
-from roverlink.runtime.core.handler import Handler, Route
+from roverlink.runtime.core.handler import BoardStamp, Handler, Route
 from roverlink.runtime.core.messages import fields_of
 from roverlink.runtime.core.standard_handler import StandardHandler
 
@@ -147,6 +147,12 @@ class Registry:
     def by_topic(self) -> dict[str, AnyHandler]:
         """Handlers of rows and of extra topics, by the name of the topic in the table."""
         return {handler.route.topic: handler for handler in (*self.handlers, *self.extra_topics)}
+
+    @cached_property
+    def board_stamps(self) -> dict[str, BoardStamp]:
+        """Field with the clock of the board in the payloads of each row that has one, by the row's name."""
+        handlers = (*self.handlers, *self.extra_topics)
+        return {one.route.name: one.board_stamp for one in handlers if one.board_stamp is not None}
 
     @cached_property
     def peers_by_name(self) -> dict[str, Peer]:

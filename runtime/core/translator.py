@@ -12,7 +12,7 @@ from google.protobuf.message import DecodeError
 
 from roverlink.runtime.core import envelope, link_message
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
-from roverlink.runtime.core.handler import UNSTAMPED, all_to_cdr
+from roverlink.runtime.core.handler import UNSTAMPED, Stamps, all_to_cdr
 from roverlink.runtime.core.principals import Origin, Principal, Speakers
 from roverlink.runtime.core.registry import AnyHandler, AnyStandardHandler, Registry
 from roverlink.runtime.core.signing import Verifier
@@ -88,7 +88,7 @@ class Translator:
         ((name, (message,)),) = translation.messages.items()
         return name, message
 
-    def receive_all(self, datagrams: Sequence[bytes], stamp: Time) -> Translation:
+    def receive_all(self, datagrams: Sequence[bytes], stamp: Stamps) -> Translation:
         """Translate a batch of datagrams; collect the errors in the result instead of raising them.
 
         Datagrams with the same payload type are converted together, because a part of the work is then done once per

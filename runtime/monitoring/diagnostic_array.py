@@ -14,6 +14,7 @@ from uuid import uuid4
 from roverlink.runtime.bridge.account import by_end
 from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME, UNKNOWN, EndReport
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.board_clock import ClockReport
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -119,9 +120,28 @@ def _end_status(node: str, state: EndState) -> DiagnosticStatus:
         **({"fault": state.fault} if state.fault else {}),
         "state": state.liveness.state,
         **({} if state.liveness.age is None else {"age": f"{state.liveness.age:.2f}"}),
+        **({} if state.clock is None else _clock_values(state.clock)),
     }
-    message = "; ".join(filter(None, [state.message, *state.addresses]))
+    clock = state.clock.problem if state.clock is not None else ""
+    message = "; ".join(filter(None, [state.message, clock, *state.addresses]))
     return _status(state.level, f"{node}: link to {state.end}", message, state.end.peer, values)
+
+
+def _clock_values(clock: ClockReport) -> dict[str, Any]:
+    values = {
+        "stamps": "receipt" if clock.problem else "board",
+        "clock_restarts": clock.restarts,
+        "clock_offset": clock.offset,
+        "clock_drift": clock.drift,
+        "clock_uncertainty": clock.uncertainty,
+        "clock_round_trip": clock.round_trip,
+    }
+    spelled = {"clock_offset": ".6f"}  # seconds since 1970 need more digits than the others
+    return {
+        name: format(value, spelled.get(name, ".6g")) if isinstance(value, float) else value
+        for name, value in values.items()
+        if value is not None
+    }
 
 
 def _link_status(node: str, report: EndReport) -> DiagnosticStatus:

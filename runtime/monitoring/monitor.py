@@ -17,6 +17,7 @@ from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.bridge.handling_times import Latencies
 from roverlink.runtime.bridge.link_exchange import EndReport
+from roverlink.runtime.core.board_clock import ClockReport
 from roverlink.runtime.core.errors import Reason
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.periodic_thread import PeriodicThread
@@ -55,6 +56,9 @@ class Watched(Protocol):
 
     def link_reports(self) -> list[EndReport]:
         """Return what the link messages of each end tell; empty for a table without the link message."""
+
+    def clock_reports(self) -> Mapping[EndName, ClockReport]:
+        """Return what is known of the clock of each board that stamps messages."""
 
 
 class _Sample(NamedTuple):
@@ -169,7 +173,7 @@ class Monitor:
             node=self._node,
             fingerprint=self._registry.fingerprint,
             rows=rows,
-            ends=tuple(_ends(self._bridge.link_states(), rows)),
+            ends=tuple(_ends(self._bridge.link_states(), rows, self._bridge.clock_reports())),
             undelivered=dict(account.undelivered),
             damaged=dict(account.damaged),
             unforwarded=dict(account.unforwarded),
@@ -259,7 +263,9 @@ def _percent(share: float) -> str:
     return f"{100 * share:.0f} %" if share >= 0.01 else "less than 1 %"
 
 
-def _ends(links: Mapping[EndName, LinkState], rows: Sequence[RowState]) -> Iterator[EndState]:
+def _ends(
+    links: Mapping[EndName, LinkState], rows: Sequence[RowState], clocks: Mapping[EndName, ClockReport]
+) -> Iterator[EndState]:
     """Yield the state of each end of the link, and of each board that has rows.
 
     A board without an address of its own has that of its peer.
@@ -272,7 +278,8 @@ def _ends(links: Mapping[EndName, LinkState], rows: Sequence[RowState]) -> Itera
         liveness = liveness_of((row.age, row.expect_rate) for row in inbound)
         if link is None:  # a board that sends, but to which nothing goes
             link = LinkState((), "ok")
-        yield EndState(name, link.addresses, link.state, liveness, *_assess_end(link, liveness), link.fault)
+        level, message = _assess_end(link, liveness)
+        yield EndState(name, link.addresses, link.state, liveness, level, message, link.fault, clocks.get(name))
 
 
 ADDRESS_PROBLEMS = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
 from itertools import accumulate
@@ -15,6 +15,7 @@ from prometheus_client.utils import floatToGoString
 
 from roverlink.runtime.bridge.handling_times import BOUNDS_S, Latencies
 from roverlink.runtime.bridge.link_exchange import UNKNOWN
+from roverlink.runtime.core.board_clock import ClockReport
 from roverlink.runtime.monitoring.state import State
 from roverlink.runtime.net.http_server import HttpServer
 from roverlink.runtime.net.page_requests import Answer, is_this_computer, not_found, refusal
@@ -91,6 +92,7 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "silent", "1 if the peer or board has sent messages, but is silent now, else 0.", [
         (labels, end.liveness.state == "silent") for labels, end in ends
     ]
+    yield from _clock_families([(labels, end.clock) for labels, end in ends if end.clock is not None])
     yield "qos_mismatches", "Publishers and subscriptions of other nodes whose QoS does not match.", _by(
         "topic", state.qos_mismatches
     )
@@ -122,6 +124,28 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
         yield "recording_waiting", "Messages waiting to be written to the recording.", [({}, recording.waiting)]
         yield "recording_lost_total", "Messages that were not recorded.", [({}, recording.lost)]
         yield "recording_failed", "1 if the recording failed, else 0.", [({}, recording.failure is not None)]
+
+
+_CLOCK_HELP = {
+    "offset_seconds": "Clock of the board minus the clock of this computer.",
+    "drift": "Clock of the board against the clock of this computer.",
+    "uncertainty_seconds": "Largest usual error of stamps by the clock of the board.",
+}
+
+
+def _clock_families(clocks: Sequence[tuple[Mapping[str, Any], ClockReport]]) -> Iterator[tuple[str, str, Samples]]:
+    """Yield the metrics of the clocks of boards that stamp messages. Their names begin with ``board_clock_``."""
+    if not clocks:
+        return
+    yield "board_clock_known", "1 if stamps are times of measuring, by the clock of the board, else 0.", [
+        (labels, not clock.problem) for labels, clock in clocks
+    ]
+    yield "board_clock_restarts_total", "Starts of the board after the first one, as its clock shows.", [
+        (labels, clock.restarts) for labels, clock in clocks
+    ]
+    for name, help in _CLOCK_HELP.items():
+        found = [(labels, getattr(clock, name.removesuffix("_seconds"))) for labels, clock in clocks]
+        yield f"board_clock_{name}", help, [(labels, value) for labels, value in found if value is not None]
 
 
 _LINK_HELP = {

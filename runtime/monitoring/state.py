@@ -8,6 +8,7 @@ from enum import IntEnum
 
 from roverlink.runtime.bridge.handling_times import Latencies
 from roverlink.runtime.bridge.link_exchange import EndReport
+from roverlink.runtime.core.board_clock import ClockReport
 from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.monitoring.liveness import Liveness
 
@@ -72,6 +73,8 @@ class EndState:
     message: str
     fault: str = ""
     """Reason why the line of the end does not work; empty if it works, or if the end has none."""
+    clock: ClockReport | None = None
+    """Clock of the board; None if the table uses it for no stamp."""
 
 
 @dataclass(frozen=True)

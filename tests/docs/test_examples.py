@@ -74,7 +74,7 @@ def test_a_proto_becomes_the_message_beside_it(
     page: str, section: str, message: str, row: str, others: set[str], tmp_path: Path
 ) -> None:
     """The proto on the page becomes the message on the page, and those that it names."""
-    shown = {block.language: block.text for block in blocks(_DOCS / page, section)}
+    shown = {block.language: block.text for block in reversed(blocks(_DOCS / page, section))}  # the first of each
     (tmp_path / "proto").mkdir()
     (tmp_path / "proto" / "one.proto").write_text(shown["proto"], encoding="utf-8")
     row = f"  - {{number: 1, name: one, proto: {message}, topic: one, direction: drill_to_ros, {row}}}\n"

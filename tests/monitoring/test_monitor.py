@@ -24,6 +24,7 @@ from roverlink.runtime.bridge.ends import LinkState
 from roverlink.runtime.bridge.handling_times import BOUNDS_S, HandlingTimes, Latencies
 from roverlink.runtime.bridge.link_exchange import DIFFERS, UNKNOWN, EndReport
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.board_clock import ClockReport
 from roverlink.runtime.core.link_message import LinkMessage
 from roverlink.runtime.core.link_statistics import LinkStatistics
 from roverlink.runtime.core.registry import EndName
@@ -58,6 +59,7 @@ class _Bridge:
         self.times = HandlingTimes()
         self.recording: Recording | None = None
         self.links: list[EndReport] = []
+        self.clocks: dict[EndName, ClockReport] = {}
         self.monitor = Monitor("udp_forwarder", _expecting(**rates), self, lambda: self.recording, lambda: self.now)
 
     def link_states(self) -> dict[EndName, LinkState]:
@@ -71,6 +73,9 @@ class _Bridge:
 
     def link_reports(self) -> list[EndReport]:
         return self.links
+
+    def clock_reports(self) -> dict[EndName, ClockReport]:
+        return self.clocks
 
     def let(self, seconds: float, **a_second: int) -> None:
         """Let time pass, with so many messages of a row a second."""
@@ -234,6 +239,30 @@ def test_what_the_link_messages_tell_is_in_the_diagnostics_and_on_the_screen_of_
         "jitter 0.0 ms; clock -4.0 ms; 2 restarts\n" in shown
     )
     assert "basestation: no link message yet\n" in shown
+
+
+def test_the_clocks_of_boards_are_on_diagnostics_and_in_the_metrics() -> None:
+    """A clock that is not known says why; the end of a board shows no clock that stamps nothing."""
+    bridge = _Bridge()
+    bridge.clocks = {
+        EndName("hardware", "SensorBoard"): ClockReport("", -1.79e9, 2e-5, 3e-4, 2e-4, 1),
+        EndName("hardware", "ArmBoard"): ClockReport("stamps are times of receipt: why", None, None, None, None, 0),
+    }
+    state = bridge.monitor.state()
+    shown = state_of(diagnostic_array.array_of(state, 0, {"instance": "a"}))
+    assert shown is not None
+    ends = {end.get("board"): end for end in shown["ends"]}
+    clock = {"clock_offset": -1.79e9, "clock_drift": 2e-5, "clock_uncertainty": 3e-4, "clock_round_trip": 2e-4}
+    assert {"stamps": "board", "clock_restarts": 1, **clock}.items() <= ends["SensorBoard"].items()
+    assert ends["ArmBoard"]["stamps"] == "receipt"
+    assert ends["ArmBoard"]["message"] == "stamps are times of receipt: why"
+    assert "stamps" not in ends["DrivingBoard"]
+    (peer,) = (one for one in shown["peers"] if one["name"] == "hardware")
+    assert {board["name"]: board.get("stamps") for board in peer["boards"]}["ArmBoard"] == "receipt"
+    lines = [line for line in prometheus.text_of(state).splitlines() if line.startswith("roverlink_board_clock_")]
+    assert 'roverlink_board_clock_known{board="ArmBoard",peer="hardware"} 0.0' in lines
+    assert 'roverlink_board_clock_uncertainty_seconds{board="SensorBoard",peer="hardware"} 0.0003' in lines
+    assert len(lines) == 7
 
 
 def test_what_the_link_messages_tell_is_in_the_metrics() -> None:

@@ -8,10 +8,21 @@ east, y north, z up (ENU) on a map, and x forward, y left, z up (FLU) on a body.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from fractions import Fraction
 
 from roverlink.generator.diagnostics import Diagnostic, Span
-from roverlink.generator.ir.interfaces import Constant, Expression, InterfaceType, Moment, Path, Rotation, Taken, Unset
+from roverlink.generator.ir.interfaces import (
+    BoardTime,
+    Constant,
+    Expression,
+    InterfaceType,
+    Moment,
+    Path,
+    Rotation,
+    Taken,
+    Unset,
+)
 from roverlink.generator.resolve import units
 from roverlink.generator.resolve.standard import standard_rules
 from roverlink.generator.resolve.standard.field_options import Options
@@ -29,6 +40,10 @@ _NAMED_AXES = {"ned_to_enu": ("y", "x", "-z"), "frd_to_flu": ("x", "-y", "-z")}
 _ANGLES = ("roll", "pitch", "yaw")
 _NO_OPTIONS = Options({})
 _SECOND = units.parse("s")
+_COUNTERS = ("uint32", "uint64", "int64")
+"""Types of a board's clock. A 32-bit counter with a sign is negative for half of the time; a 64-bit one never is."""
+_COARSEST = 10**6
+"""Most nanoseconds of one unit of a board's clock."""
 
 
 class Filling:
@@ -160,6 +175,31 @@ class Filling:
         return None
 
     # --- times ---
+
+    def stamp(self, place: Place, form: Form) -> Moment | None:
+        """Return the expression for the stamp of a header; only this can be by the clock of the board."""
+        entries = dict(form.entries or {})
+        clock = entries.pop("clock", None)
+        if clock is None:
+            return self.moment(place, form)
+        moment = self.moment(place, replace(form, entries=entries))
+        if moment is None or moment.source is None:
+            return None
+        source, unit = moment.source, entries["unit"]
+        if source.type not in _COUNTERS:
+            message = f"{source.dotted!r} is a {source.type}, which cannot be the counter of a board"
+            help = "use a field of the type uint32, uint64, fixed32, fixed64 or int64"
+            self._report(standard_rules.NoBoardClock.at(entries["from"].span, message, help))
+            return None
+        if moment.nanoseconds.denominator != 1 or moment.nanoseconds > _COARSEST:
+            message = f"a stamp in {unit.value} is no time of measuring"
+            self._report(standard_rules.NoBoardClock.at(unit.span, message, "let the board count ms, us or ns"))
+            return None
+        if moment.nanoseconds == 1 and source.bits == 32:
+            message = f"{source.dotted!r} has 32 bits, so a counter in ns begins again at 0 after 4 s"
+            self._report(standard_rules.NoBoardClock.at(unit.span, message, "use a field of 64 bits, or count us"))
+            return None
+        return BoardTime(source=None, nanoseconds=moment.nanoseconds, counter=source)
 
     def moment(self, place: Place, form: Form) -> Moment | None:
         """Return the expression for a time or duration: the time of reception, or the value of a payload's field."""

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from roverlink.generator.ir.interfaces import (
+    BoardTime,
     Chosen,
     Expression,
     Moment,
@@ -78,6 +79,8 @@ def sources_of(fields: Iterable[TargetField]) -> Iterator[Source]:
     """Yield every field of the payload that is used in a standard message; a field may appear several times."""
     for _, field in _leaves(fields, ()):
         yield from _sources(field.value)
+        if isinstance(field.value, BoardTime):
+            yield field.value.counter
 
 
 def _sources(value: Expression) -> list[Source]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Span
 from roverlink.generator.ir import StandardTopic
-from roverlink.generator.ir.interfaces import Constant, Interface, Moment
+from roverlink.generator.ir.interfaces import BoardTime, Constant, Interface, Moment
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.resolve.interfaces import definitions
 from roverlink.generator.resolve.standard import standard_rules
@@ -28,7 +28,8 @@ class StandardTopics:
     """
 
     def __init__(self, table: Table, schema: Schema, report: Callable[[Diagnostic], None]) -> None:
-        self._distro, self._schema, self._report = table.ros.distro or "", schema, report
+        self._distro, self._schema, self._report, self._table = table.ros.distro or "", schema, report, table
+        self._clocks: dict[tuple[str, str], tuple[BoardTime, Span]] = {}  # by peer and board
         self._definitions: dict[str, Interface] = {}
 
     @property
@@ -137,15 +138,35 @@ class StandardTopics:
                 help, rests_on = "add `frame_id`, for example imu_link", [row.at("direction")]
                 self._report(standard_rules.FrameIdMissing.at(settings.span, message, help, rests_on=rests_on))
         if settings.stamp is not None or ("header", "stamp") not in filling.expressions:
-            self._add_stamp(settings, filling)
+            self._add_stamp(row, settings, filling)
 
-    def _add_stamp(self, settings: StandardTopicSettings, filling: Filling) -> None:
+    def _add_stamp(self, row: Row, settings: StandardTopicSettings, filling: Filling) -> None:
         path, span = ("header", "stamp"), settings.at("stamp")
         place = filling.places.find(path, span)
         if settings.stamp is None:
             filling.put(path, Moment(None), span)
         elif place is not None:
-            filling.put(path, filling.moment(place, settings.stamp), span)
+            moment = filling.stamp(place, settings.stamp)
+            if isinstance(moment, BoardTime):
+                self._check_clock(row, moment, span)
+            filling.put(path, moment, span)
+
+    def _check_clock(self, row: Row, moment: BoardTime, span: Span) -> None:
+        """Report a stamp by the clock of a board if it is not known which board, or if the board has another clock."""
+        board, peer = self._table.board_of(row), self._table.peers_by_name().get(row.peer)
+        if not row.inbound:
+            message, help = f"{row.peer!r} measures nothing in a message that goes to it", "remove `clock`"
+            self._report(standard_rules.ClockOfNoBoard.at(span, message, help, rests_on=[row.at("direction")]))
+            return
+        if not board and peer is not None and (len(peer.prefixes) > 1 or peer.boards):
+            message = f"{row.peer!r} has several boards with a clock each, but the row {row.name!r} belongs to none"
+            self._report(standard_rules.ClockOfNoBoard.at(span, message, "add `board` to the row"))
+            return
+        first, where = self._clocks.setdefault((row.peer, board), (moment, span))
+        if (first.nanoseconds, first.counter.bits) != (moment.nanoseconds, moment.counter.bits):
+            message = f"the clock of {board or row.peer} has {_unit(moment)} here, but {_unit(first)} in another stamp"
+            also = [(where, "the other stamp is here")]
+            self._report(standard_rules.OtherBoardClock.at(span, message, "use one counter for all stamps", also))
 
     # --- the payload's fields ---
 
@@ -202,6 +223,10 @@ def _entries(settings: StandardTopicSettings) -> Iterator[Span]:
 def _covers(paths: Iterable[str], path: str) -> bool:
     """Return True if ``paths`` contains the path, or the path of a message around it: ``accel`` for ``accel.x``."""
     return any(path == other or path.startswith(f"{other}.") for other in paths)
+
+
+def _unit(moment: BoardTime) -> str:
+    return f"{moment.counter.bits} bits and units of {moment.nanoseconds} ns"
 
 
 def _sources_of(standard: StandardTopic) -> set[str]:

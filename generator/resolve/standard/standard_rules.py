@@ -512,3 +512,122 @@ class NoWayBack(Rule, id="STD118"):
         enum Mode { OFF = 0; ON = 1; AUTO = 2; }
         message Imu { Mode mode = 1; }
     """
+
+
+class NoBoardClock(Rule, id="STD119"):
+    """A stamp with `clock: board` comes from a field that cannot be the clock of a board.
+
+    The clock of a board is a counter: an integer of 32 or 64 bits in ms, us or ns that the board starts with itself.
+    The bridge knows from the type of the field when the counter begins at 0 again.
+
+    Bad::
+
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: imu/x, ros: geometry_msgs/PointStamped, frame_id: imu_link,
+                  stamp: {from: uptime, unit: s, clock: board},
+                  fields: {point: {x: x, y: 0, z: 0, unit: m}}}]
+        # proto/imu.proto
+        message Imu { float x = 1; float uptime = 2; }
+
+    Good::
+
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also: [{topic: imu/x, ros: geometry_msgs/PointStamped, frame_id: imu_link,
+                  stamp: {from: uptime, unit: us, clock: board},
+                  fields: {point: {x: x, y: 0, z: 0, unit: m}}}]
+        # proto/imu.proto
+        message Imu { float x = 1; uint32 uptime = 2; }
+    """
+
+
+class ClockOfNoBoard(Rule, id="STD120"):
+    """A stamp has `clock: board`, but no single board has measured what is in the message.
+
+    A row to a peer has no measurement of the peer. If a peer has several boards, each has a clock of its own, and the
+    row must belong to one of them.
+
+    Bad::
+
+        # mapping.yaml
+        peers:
+          board: {port: 6001, boards: {Sensor: {host: 10.0.0.2}, Arm: {host: 10.0.0.3}}}
+        messages:
+          - number: 1
+            name: imu
+            proto: Imu
+            topic: imu
+            direction: board_to_ros
+            also: [{topic: imu/x, ros: geometry_msgs/PointStamped, frame_id: imu_link,
+                    stamp: {from: uptime, unit: us, clock: board},
+                    fields: {point: {x: x, y: 0, z: 0, unit: m}}}]
+        # proto/imu.proto
+        message Imu { float x = 1; uint32 uptime = 2; }
+
+    Good::
+
+        # mapping.yaml
+        peers:
+          board: {port: 6001, boards: {Sensor: {host: 10.0.0.2}, Arm: {host: 10.0.0.3}}}
+        messages:
+          - number: 1
+            name: imu
+            proto: Imu
+            board: Sensor
+            topic: imu
+            direction: board_to_ros
+            also: [{topic: imu/x, ros: geometry_msgs/PointStamped, frame_id: imu_link,
+                    stamp: {from: uptime, unit: us, clock: board},
+                    fields: {point: {x: x, y: 0, z: 0, unit: m}}}]
+        # proto/imu.proto
+        message Imu { float x = 1; uint32 uptime = 2; }
+    """
+
+
+class OtherBoardClock(Rule, id="STD121"):
+    """Two stamps with `clock: board` of one board have other units or other sizes, so they are two counters.
+
+    The bridge compares the clock of a board with its own clock, and all messages of the board help. Two counters that
+    have not started together would be taken for one.
+
+    Bad::
+
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also:
+            - {topic: imu/x, ros: geometry_msgs/PointStamped, frame_id: imu_link,
+               stamp: {from: uptime_us, unit: us, clock: board}, fields: {point: {x: x, y: 0, z: 0, unit: m}}}
+            - {topic: imu/y, ros: geometry_msgs/PointStamped, frame_id: imu_link,
+               stamp: {from: uptime_ms, unit: ms, clock: board}, fields: {point: {x: 0, y: x, z: 0, unit: m}}}
+        # proto/imu.proto
+        message Imu { float x = 1; uint32 uptime_us = 2; uint32 uptime_ms = 3; }
+
+    Good::
+
+        # mapping.yaml
+        - number: 1
+          name: imu
+          proto: Imu
+          topic: imu
+          direction: board_to_ros
+          also:
+            - {topic: imu/x, ros: geometry_msgs/PointStamped, frame_id: imu_link,
+               stamp: {from: uptime_us, unit: us, clock: board}, fields: {point: {x: x, y: 0, z: 0, unit: m}}}
+            - {topic: imu/y, ros: geometry_msgs/PointStamped, frame_id: imu_link,
+               stamp: {from: uptime_us, unit: us, clock: board}, fields: {point: {x: 0, y: x, z: 0, unit: m}}}
+        # proto/imu.proto
+        message Imu { float x = 1; uint32 uptime_us = 2; }
+    """

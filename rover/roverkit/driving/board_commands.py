@@ -4,7 +4,7 @@ A command has the fields of the message ``drive_motor``. ``distance_to_go`` is i
 base_link, negative for driving backwards. ``turning_radius`` is in metres, positive if the centre of the arc is to the
 left of the rover (REP 103), forwards and backwards alike. A radius of 0 is a straight line: 0 is the value of a field
 that is not sent (proto3), and no arc has this radius. A new command replaces the one before, also in the middle of its
-arc, and then starts at the place where the rover is.
+arc, and then starts at the place where the rover is. The number is not in the messages of every project.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 
 from roverkit.driving.arcs import Arc
 
+NUMBER = "command_number"
+"""Field with the number of a command, in its message and in the reports of the board, if the project has it."""
 LARGEST_RADIUS_M = 1e6
 """Radius in metres from which an arc is a straight line: over 100 m, such an arc is 5 mm beside it."""
 
@@ -26,6 +28,8 @@ class BoardCommand:
     """Distance along the arc, negative for driving backwards."""
     turning_radius: float
     """Radius of the arc, positive to the left, negative to the right; see the module for a straight line."""
+    command_number: int = 0
+    """Number by which the board reports that it has taken the command; 0 if the command has none."""
 
 
 STOP = BoardCommand(0.0, 0.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 
-from roverkit.driving.board_commands import BoardCommand
+from roverkit.driving.board_commands import NUMBER, BoardCommand
 from roverkit.driving.drive_control import DriveSettings
 from roverlink.nodes import Direction, NodeDeclaration, Parameter, RowTopic, Topic
 from roverlink.runtime.core.handler import Qos
@@ -33,8 +33,16 @@ COMMAND = RowTopic(
     Direction.PUBLISHED,
     "command for the driving board",
     inbound=False,
-    fields=tuple(field.name for field in fields(BoardCommand)),
+    fields=tuple(field.name for field in fields(BoardCommand) if field.name != NUMBER),
 )
+REPORT = RowTopic(
+    "drive_progress",
+    Direction.RECEIVED,
+    "number of the newest command that the driving board has taken",
+    inbound=True,
+    fields=(NUMBER,),
+)
+"""Topic that is received only in a project whose messages have numbers; so it is not among the topics of `NODE`."""
 STATE = Topic(
     "drive/state",
     (String,),

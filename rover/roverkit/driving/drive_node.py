@@ -8,9 +8,9 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import asdict
 from functools import partial
 
+from roverkit.driving.acknowledgement import Acknowledgement
 from roverkit.driving.board_commands import BoardCommand
 from roverkit.driving.drive_control import DriveControl, Localization, State, Status
 from roverkit.driving.drive_declaration import PATH, POSE, STATE, VELOCITY
@@ -77,6 +77,7 @@ class Driving:
         middleware, topic = connection.middleware, connection.topic
         self._followed = VELOCITY.follow(middleware, topic, self._take_velocity, depth=1)
         self._commands = rows.command.publisher(middleware, topic)
+        self._acknowledgement = Acknowledgement()
         self._states = STATE.publisher(middleware, topic)
 
     def receive(self) -> None:
@@ -85,6 +86,8 @@ class Driving:
         self._rows.mode.subscribe(middleware, topic, self._take_mode, _MODE_PRIORITY)
         PATH.subscribe(middleware, topic, self._take_path)
         POSE.subscribe(middleware, topic, self._take_pose)
+        if self._rows.report is not None:
+            self._rows.report.subscribe(middleware, topic, self._take_report)
         self.tick()  # report the first state
 
     def run(self) -> None:
@@ -165,13 +168,28 @@ class Driving:
             localization = Localization(place.pose, place.frame, now - place.age, place.deviation, place.speed)
             self._control.localize(localization, now)
 
+    def _take_report(self, messages: Sequence[bytes]) -> None:
+        try:
+            number = self._rows.number(messages[-1])
+        except ConversionError as error:
+            self._tell(f"ignoring a report: {error}")
+            return
+        with self._lock:
+            stop = None if self._ended else self._acknowledgement.lost_stop(number, self._clock.now())
+            if stop is not None:
+                self._tell("the driving board has not taken the stop; it is sent again")
+                self._publish(stop)
+
     def _tell(self, message: str) -> None:
         with self._lock:
             self._control.tell(message, self._clock.now())
 
     def _send(self, command: BoardCommand) -> None:
+        self._publish(self._acknowledgement.numbered(command, self._clock.now()))
+
+    def _publish(self, command: BoardCommand) -> None:
         self._commands.publish([self._rows.serialized(command)])
-        self._print({"stamp": self._stamps.now(), **asdict(command)})
+        self._print({"stamp": self._stamps.now(), **self._rows.values(command)})
 
     def _report(self, status: Status) -> None:
         """Report the state if it has changed."""

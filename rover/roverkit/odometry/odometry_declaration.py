@@ -22,6 +22,8 @@ PROGRESS = RowTopic(
     inbound=True,
     fields=("distance_left",),
 )
+ODOMETER = "odometer"
+"""Field of the reports with the signed distance in metres since the start of the board, if the project has it."""
 DIAGNOSTICS = RowTopic("drive_diag", Direction.RECEIVED, "speeds of the wheels' motors", inbound=True, fields=WHEELS)
 IMU = Topic(
     "imu/data_raw",

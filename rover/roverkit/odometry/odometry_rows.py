@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from roverkit.driving.board_commands import BoardCommand
-from roverkit.odometry.odometry_declaration import COMMAND, DIAGNOSTICS, PROGRESS, WHEELS
+from roverkit.driving.board_commands import NUMBER, BoardCommand
+from roverkit.odometry.odometry_declaration import COMMAND, DIAGNOSTICS, ODOMETER, PROGRESS, WHEELS
+from roverlink.nodes import Topic
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.core.messages import fields_of
 
 _LEFT = PROGRESS.fields[0]
+
+
+class BoardReport(NamedTuple):
+    """Report of the driving board."""
+
+    distance_left: float
+    """Distance in metres that is left on the current command."""
+    odometer: float | None
+    """Signed distance in metres since the start of the board; None if the project does not have it."""
+    command_number: int | None
+    """Number of the newest command that the board has taken; None if the project does not have it."""
 
 
 class OdometryRows:
@@ -21,20 +35,30 @@ class OdometryRows:
         self.command, self.progress = COMMAND.of(registry), PROGRESS.of(registry)
         self.diagnostics = DIAGNOSTICS.of(registry)
 
+        self.has_odometer = ODOMETER in self._names(self.progress)
+        """True if the board reports its odometer."""
+
+    @staticmethod
+    def _names(topic: Topic) -> set[str]:
+        return {field.name for field in fields_of(topic.message_type)}
+
     def board_command(self, data: bytes) -> BoardCommand:
         """Return a serialized command. Raises `ConversionError` if it is damaged."""
         message = cdr.decode(self.command.message_type, data)
-        return BoardCommand(*(float(getattr(message, name)) for name in COMMAND.fields))
+        distance, radius = (float(getattr(message, name)) for name in COMMAND.fields)
+        return BoardCommand(distance, radius, getattr(message, NUMBER, 0))
 
-    def distance_left(self, data: bytes) -> float:
-        """Return the distance in metres of a serialized report.
+    def report(self, data: bytes) -> BoardReport:
+        """Return a serialized report.
 
-        Raises `ConversionError` if it is damaged, or if the distance is no finite number.
+        Raises `ConversionError` if it is damaged, or if a distance is no finite number.
         """
-        left = float(getattr(cdr.decode(self.progress.message_type, data), _LEFT))
-        if not math.isfinite(left):
-            raise ConversionError(f"{_LEFT} is {left}")
-        return left
+        message = cdr.decode(self.progress.message_type, data)
+        odometer = getattr(message, ODOMETER, None)
+        for name, value in ((_LEFT, getattr(message, _LEFT)), (ODOMETER, odometer or 0.0)):
+            if not math.isfinite(value):
+                raise ConversionError(f"{name} is {value}")
+        return BoardReport(getattr(message, _LEFT), odometer, getattr(message, NUMBER, None))
 
     def rpm(self, data: bytes) -> float | None:
         """Return the mean speed of the wheels' motors, each without its sign, in revolutions per minute.

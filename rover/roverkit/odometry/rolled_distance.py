@@ -27,11 +27,11 @@ from roverkit.driving.arcs import Arc
 from roverkit.odometry.distance_rate import DistanceRate
 from roverkit.odometry.wheel_motors import FRESH_S, Lesson, WheelMotors
 
-_SPEED_LIMIT = 3.0
+SPEED_LIMIT = 3.0
 """Speed in m/s that no rover reaches; a report that implies more has another explanation."""
-_ACCELERATION = 1.0
+ACCELERATION = 1.0
 """Usual change of the speed in m/s^2."""
-_TOLERANCE_M = 0.005
+TOLERANCE_M = 0.005
 """Distance that is no distance."""
 _JITTER_S = 0.005
 """Usual variation of the time that a message takes."""
@@ -49,7 +49,7 @@ _MOST_UNCLEAR = 20
 """Number of unclear explanations, one after the other, from which the expected speed itself may be wrong."""
 _ON_ITS_WAY_S = 2.0
 """Longest time that a command takes to the board."""
-_STILL_S = 0.5
+STILL_S = 0.5
 """Time without a change after which a rover stands whose motors report nothing."""
 _ROLLS_OUT_S = 1.0
 """Longest time that the rover rolls after a stop."""
@@ -82,6 +82,8 @@ class _Command:
     sent: int
     length: float
     curvature: float | None
+    number: int = 0
+    """Number by which reports name it; 0 if it has none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +106,7 @@ class RolledDistance:
         self.ignored = 0
         """Number of reports that were ignored."""
         self._motors = WheelMotors()
-        self._by_time = DistanceRate(_SPEED_LIMIT)
+        self._by_time = DistanceRate(SPEED_LIMIT)
         self._sent = deque[_Command](maxlen=100)
         self._at: int | None = None
         self._begin(0, 0.0)
@@ -116,7 +118,7 @@ class RolledDistance:
         )
         self._command = known[-1] if known else _Command(now, left, None if left else 0.0)
         self._left, self._moved_at = left, now
-        self._by_time.stop(_SPEED_LIMIT if left else 0.0)
+        self._by_time.stop(SPEED_LIMIT if left else 0.0)
         self._sent.clear()
         self._strange: tuple[int, float] | None = None
         self._stopped_at, self._rolled_out = now, 0.0
@@ -128,9 +130,9 @@ class RolledDistance:
             return math.copysign(self._motors.speed, self._direction)
         return self._by_time.rate
 
-    def command(self, now: int, arc: Arc) -> None:
+    def command(self, now: int, arc: Arc, number: int = 0) -> None:
         """Take a command that is sent to the driving board now."""
-        self._sent.append(_Command(now, arc.length, arc.curvature))
+        self._sent.append(_Command(now, arc.length, arc.curvature, number))
 
     def motors(self, now: int, rpm: float) -> None:
         """Take the mean speed of the wheels' motors, each without its sign, in revolutions per minute."""
@@ -142,7 +144,7 @@ class RolledDistance:
             return False
         if self._motors.are_fresh(now):
             return self._motors.stand and self._moved_at < self._at
-        return self.speed == 0 and _seconds(self._moved_at, self._at) >= _STILL_S
+        return self.speed == 0 and _seconds(self._moved_at, self._at) >= STILL_S
 
     def unreported(self, now: int) -> float:
         """Return the distance in metres that the rover may have driven since the last report, without its sign."""
@@ -151,10 +153,10 @@ class RolledDistance:
         expected = abs(self.speed) * _seconds(self._at, now)
         return min(expected, abs(self._left)) if self._left else expected
 
-    def report(self, now: int, left: float) -> Rolled | None:
-        """Take a report: the distance left in metres. Return what the wheels have rolled since the last report.
+    def report(self, now: int, left: float, number: int | None = None) -> Rolled | None:
+        """Take a report: the distance left in metres, and the number of the command if the board reports it.
 
-        Returns None if the report is ignored.
+        Return what the wheels have rolled since the last report; None if the report is ignored.
         """
         if self._at is None or now < self._at:  # the clock of a simulation may jump back
             self._begin(now, left)
@@ -163,6 +165,8 @@ class RolledDistance:
         while self._sent and _seconds(self._sent[0].sent, now) > _ON_ITS_WAY_S:
             self._sent.popleft()
         found = [explanation for explanation in self._explanations(self._at, now, left) if explanation is not None]
+        if number:
+            found = [one for one in found if one.command.number == number] or found
         if found:
             best, *others = sorted(found, key=lambda explanation: explanation.cost)
             clear = best.cost < _LIKELY_COST and all(other.cost > best.cost + _CLEAR_COST for other in others)
@@ -183,7 +187,7 @@ class RolledDistance:
     def _explanations(self, since: int, now: int, left: float) -> list[_Explanation | None]:
         """Return the explanations of a report, that with the newest command first; None for an impossible one."""
         found = [self._replaced(since, now, left, command) for command in reversed(self._sent)]
-        if abs(left) <= _TOLERANCE_M < abs(self._left):
+        if abs(left) <= TOLERANCE_M < abs(self._left):
             found.append(self._stopped(_ENDED_COST, _Command(since, 0.0, 0.0), since, now))
         return [*found, self._continued(since, now, left)]
 
@@ -193,7 +197,7 @@ class RolledDistance:
         if left == self._left:
             if left == 0:  # only the motors know how far the rover rolls after a stop
                 return self._rolling_out(now)
-            if abs(self.speed) > 0 and _seconds(since, now) < _STILL_S:
+            if abs(self.speed) > 0 and _seconds(since, now) < STILL_S:
                 return None  # the last report has come twice
         cost = self._cost(since, now, distance, self._command)
         return (
@@ -225,7 +229,7 @@ class RolledDistance:
             expected, variance = self._expected(since, now)
         else:
             before, variance = self._expected(since, max(command.sent, since))
-            after = min(abs(self.speed) * _seconds(max(command.sent, since), now), self.speed**2 / 2 / _ACCELERATION)
+            after = min(abs(self.speed) * _seconds(max(command.sent, since), now), self.speed**2 / 2 / ACCELERATION)
             expected, variance = before + math.copysign(after, self.speed), variance + after**2 / 3
         guessed = self._on_old_command(expected)
         return _Explanation(cost, command, guessed, guessed, variance)
@@ -256,17 +260,17 @@ class RolledDistance:
     def _cost(self, since: int, now: int, distance: float, command: _Command) -> float | None:
         """Return how far a distance is from the expected one, in standard deviations; None if it is impossible."""
         seconds = _seconds(since, now)
-        if abs(distance) > _SPEED_LIMIT * seconds + _TOLERANCE_M:
+        if abs(distance) > SPEED_LIMIT * seconds + TOLERANCE_M:
             return None
         # A rover that drives in the other direction brakes first, and then more is left than at the start.
-        if distance * command.length < 0 and abs(distance) > _TOLERANCE_M and self.speed * command.length >= 0:
+        if distance * command.length < 0 and abs(distance) > TOLERANCE_M and self.speed * command.length >= 0:
             return None
-        change = min(_ACCELERATION * seconds / 2, _SPEED_LIMIT) * seconds
+        change = min(ACCELERATION * seconds / 2, SPEED_LIMIT) * seconds
         unsure = 0.0 if self._motors.knows(now) else math.sqrt(self._by_time.variance) * seconds
-        deviation = _TOLERANCE_M + _JITTER_S * abs(self.speed) + change + unsure
+        deviation = TOLERANCE_M + _JITTER_S * abs(self.speed) + change + unsure
         # Over a longer time, the rover may have braked, but it was hardly faster than ever before.
         excess = max(abs(distance) - self._fastest * (seconds + _JITTER_S), 0.0) if self._fastest else 0.0
-        return abs(distance - self._expected(since, now)[0]) / deviation + excess / _TOLERANCE_M / 2
+        return abs(distance - self._expected(since, now)[0]) / deviation + excess / TOLERANCE_M / 2
 
     def _expected(self, since: int, now: int) -> tuple[float, float]:
         """Return the expected distance between two times, and its variance."""
@@ -274,7 +278,7 @@ class RolledDistance:
         if self._motors.knows(now):
             rolled = self._motors.rolled(since, now)
             return math.copysign(rolled, self._direction), jitter**2
-        change = min(_ACCELERATION * seconds / 4, abs(self.speed)) * seconds
+        change = min(ACCELERATION * seconds / 4, abs(self.speed)) * seconds
         return self.speed * seconds, jitter**2 + change**2
 
     @property
@@ -289,8 +293,8 @@ class RolledDistance:
         if strange is None:
             return None
         seconds, distance = _seconds(strange[0], now), strange[1] - left
-        if not _MEASURABLE_S < seconds < _STILL_S or not 0 <= distance * strange[1] <= abs(
-            (_SPEED_LIMIT * seconds + _TOLERANCE_M) * strange[1]
+        if not _MEASURABLE_S < seconds < STILL_S or not 0 <= distance * strange[1] <= abs(
+            (SPEED_LIMIT * seconds + TOLERANCE_M) * strange[1]
         ):
             return None
         return self._with_unseen(0.0, _Command(strange[0], strange[1], None), since, now, distance)
@@ -307,7 +311,7 @@ class RolledDistance:
             self._rolled_out += taken.distance
             self._by_time.stop(_SLOW)
         else:
-            self._by_time.drift(min(_ACCELERATION * _seconds(since, now), _SPEED_LIMIT))
+            self._by_time.drift(min(ACCELERATION * _seconds(since, now), SPEED_LIMIT))
         if taken.distance:
             self._moved_at = now
         if taken.distance and left:  # after a stop, a correction may be backwards

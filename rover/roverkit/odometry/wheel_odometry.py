@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from roverkit.driving.arcs import Arc, PlanarPose
 from roverkit.odometry.dead_reckoning import DeadReckoning, Matrix, OdometryNoise
+from roverkit.odometry.odometer import OdometerDistance
 from roverkit.odometry.rolled_distance import Rolled, RolledDistance
 
 _GYRO_TIMEOUT_S = 0.2
@@ -46,9 +47,10 @@ class OdometryEstimate:
 class WheelOdometry:
     """Odometry; all times are in nanoseconds of one clock."""
 
-    def __init__(self, noise: OdometryNoise | None = None) -> None:
+    def __init__(self, noise: OdometryNoise | None = None, *, has_odometer: bool = False) -> None:
+        """``has_odometer`` is true if the driving board reports its odometer, so that no distance is estimated."""
         self._reckoning = DeadReckoning(noise or OdometryNoise())
-        self._wheels = RolledDistance()
+        self._wheels = OdometerDistance() if has_odometer else RolledDistance()
         self._gyroscope = _Gyroscope()
         self._curvature: float | None = 0.0
         self._yaw_rate = 0.0
@@ -72,9 +74,12 @@ class WheelOdometry:
         """Number of reports that were ignored, because nothing explained them."""
         return self._wheels.ignored
 
-    def command(self, now: int, arc: Arc) -> None:
-        """Take a command that is sent to the driving board now: the arc that the board drives for it."""
-        self._wheels.command(now, arc)
+    def command(self, now: int, arc: Arc, number: int = 0) -> None:
+        """Take a command that is sent to the driving board now: the arc that the board drives for it, and its number.
+
+        The number is 0 if it has none.
+        """
+        self._wheels.command(now, arc, number)
 
     def motors(self, now: int, rpm: float) -> None:
         """Take the mean speed of the wheels' motors, each without its sign, in revolutions per minute."""
@@ -84,9 +89,18 @@ class WheelOdometry:
         """Take the angular velocity of base_link about z, in rad/s, that the gyroscope measured at a time."""
         self._gyroscope.add(at, rate)
 
-    def progress(self, now: int, distance_left: float) -> OdometryEstimate | None:
-        """Take a report of the driving board, and return the new estimate; None if the report is ignored."""
-        rolled = self._wheels.report(now, distance_left)
+    def progress(
+        self, now: int, distance_left: float, odometer: float | None = None, number: int | None = None
+    ) -> OdometryEstimate | None:
+        """Take a report of the driving board, and return the new estimate; None if the report is ignored.
+
+        ``odometer`` is in metres since the start of the board, and ``number`` is that of the newest command that the
+        board has taken; each is None if the board does not report it.
+        """
+        if isinstance(self._wheels, OdometerDistance):
+            rolled = self._wheels.report(now, distance_left, odometer or 0.0, number)
+        else:
+            rolled = self._wheels.report(now, distance_left, number)
         if rolled is None:
             return None
         self._reported_at = now

@@ -59,7 +59,7 @@ class OdometryNode:
         self._connection, self._rows, self._parameters, self._logger = connection, rows, parameters, logger
         self._print = json_printer(as_json)
         self._clock = connection.clock
-        self._odometry = WheelOdometry(parameters.meaning.noise)
+        self._odometry = WheelOdometry(parameters.meaning.noise, has_odometer=rows.has_odometer)
         # In memory, a subscriber of the odometry may send a command, which comes back at once.
         self._lock = threading.RLock()
         self._reported_at: int | None = None
@@ -111,8 +111,8 @@ class OdometryNode:
 
     def _take_command(self, data: bytes) -> None:
         board = self._parameters.meaning.board
-        arc = board.drivable(board.arc(self._rows.board_command(data)))
-        self._odometry.command(self._clock.now(), arc)
+        command = self._rows.board_command(data)
+        self._odometry.command(self._clock.now(), board.drivable(board.arc(command)), command.command_number)
 
     def _take_diagnostics(self, data: bytes) -> None:
         if (rpm := self._rows.rpm(data)) is not None:
@@ -128,11 +128,11 @@ class OdometryNode:
         self._odometry.angular_velocity(stamp_of(message.header) if real else self._clock.now(), rate)
 
     def _take_progress(self, data: bytes) -> None:
-        left, now = self._rows.distance_left(data), self._clock.now()
+        report, now = self._rows.report(data), self._clock.now()
         self._odometry.noise = self._parameters.meaning.noise
         self._reported_at = now
         self._said.discard("silent")
-        if (estimate := self._odometry.progress(now, left)) is None:
+        if (estimate := self._odometry.progress(now, *report)) is None:
             return
         if not self._odometry.uses_gyroscope:
             topic = self._connection.topic(IMU.name)

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from google.protobuf.message import Message as ProtoMessage
-from roverkit.driving.board_commands import BoardCommand
+from roverkit.driving.board_commands import NUMBER, BoardCommand
 from roverkit.driving.drive_declaration import COMMAND
-from roverkit.odometry.odometry_declaration import DIAGNOSTICS, PROGRESS, WHEELS
+from roverkit.odometry.odometry_declaration import DIAGNOSTICS, ODOMETER, PROGRESS, WHEELS
 from roverkit.simulation.rover_model import Measurement, MotorReport, ProgressReport
 from roverkit.simulation.rover_sensors import ImuReading
 
@@ -51,7 +51,7 @@ class RoverDatagrams:
         if number != self._command.number:
             return None
         values: Any = payload
-        return BoardCommand(values.distance_to_go, values.turning_radius)
+        return BoardCommand(values.distance_to_go, values.turning_radius, getattr(values, NUMBER, 0))
 
     def datagram(self, measured: Measurement) -> tuple[str, bytes]:
         """Return the name of a measurement's row, and the serialized envelope."""
@@ -68,7 +68,8 @@ def _values(measured: Measurement) -> tuple[str, Mapping[str, Any]]:
     The units are those that mapping.yaml states: m/s^2, deg/s and uT for the IMU.
     """
     if isinstance(measured, ProgressReport):
-        return PROGRESS.row, {"distance_left": measured.distance_left}
+        report = {ODOMETER: measured.odometer, NUMBER: measured.command_number}
+        return PROGRESS.row, {"distance_left": measured.distance_left, **report}
     if isinstance(measured, MotorReport):
         return DIAGNOSTICS.row, _diagnostics(measured)
     if isinstance(measured, ImuReading):

@@ -77,6 +77,10 @@ class ProgressReport:
     """Time in nanoseconds since the start of the model."""
     distance_left: float
     """Distance left on the current command in metres, negative for driving backwards."""
+    odometer: float = 0.0
+    """Signed distance in metres that the wheels have rolled since the start of the board."""
+    command_number: int = 0
+    """Number of the newest command that the board has taken since its start."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +169,7 @@ class RoverModel:
             measured.append(self._imu.reading(now, self._motion(period := settings.imu_period / 1e9), period))
         if self._board.runs:
             if now % settings.progress_period == 0:
-                measured.append(ProgressReport(now, self._board.left))
+                measured.append(self._board.progress(now))
             if now % settings.motors_period == 0:
                 measured.append(self._motors())
         if now % settings.gps_period == 0:
@@ -223,6 +227,7 @@ class _Board:
         """Speed of the wheels in m/s."""
         self.curvature = 0.0
         """Curvature in 1/m of the arc that the steered wheels drive now."""
+        self._odometer, self._number = 0.0, 0
 
     def receive(self, command: BoardCommand) -> None:
         """Replace the current command, unless the board restarts."""
@@ -230,10 +235,12 @@ class _Board:
         if self._ready_at == 0:
             self.left = arc.length
             self._aim = arc.curvature if arc.length else self.curvature
+            self._number = command.command_number
 
     def restart(self, now: int) -> None:
         """Forget the command; the board is ready again after a while."""
         self.left, self._aim = 0.0, self.curvature
+        self._odometer, self._number = 0.0, 0
         self._ready_at = now + round(self._settings.restart_time * 1e9)
 
     @property
@@ -260,7 +267,13 @@ class _Board:
             if distance / self.left >= 1:
                 distance = self.left
             self.left -= distance
+        if self.runs:
+            self._odometer += distance
         return distance
+
+    def progress(self, now: int) -> ProgressReport:
+        """Return the report of the board."""
+        return ProgressReport(now, self.left, self._odometer, self._number)
 
 
 def _towards(aim: float, value: float, change: float) -> float:

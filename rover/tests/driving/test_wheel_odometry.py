@@ -48,23 +48,28 @@ class Faults:
     """Usual longest delay."""
     motors: bool = True
     imu: bool = True
+    odometer: bool = False
+    """True if the board reports its odometer and the numbers of commands."""
 
 
 class FaultyLink:
     """A simulated rover and its odometry, between which commands and reports are delayed, lost, repeated, reordered."""
 
     def __init__(self, seed: int, faults: Faults, settings: RoverSettings = IDEAL) -> None:
-        self.model, self.odometry, self.faults = RoverModel(seed, settings), WheelOdometry(), faults
+        self.model, self.faults = RoverModel(seed, settings), faults
+        self.odometry = WheelOdometry(has_odometer=faults.odometer)
         self.rng = random.Random(seed)  # noqa: S311  # repeatable, not secret
         self.estimates: list[OdometryEstimate] = []
         self._commands: list[tuple[int, int, BoardCommand]] = []
         self._reports: list[tuple[int, int, ProgressReport | MotorReport | ImuReading]] = []
-        self._count = 0
+        self._count = self._number = 0
 
     def command(self, command: BoardCommand) -> None:
         """Send a command, as it is seen on the topic now; it arrives at the board somewhat later, or never."""
         board, now = self.model.settings.board, self.model.now + _SENT_NS
-        self.odometry.command(now, board.drivable(board.arc(command)))
+        self._number += self.faults.odometer
+        command = replace(command, command_number=self._number)
+        self.odometry.command(now, board.drivable(board.arc(command)), self._number)
         if self.rng.random() >= self.faults.lost:
             self._put(self._commands, now, command)
 
@@ -104,8 +109,10 @@ class FaultyLink:
         elif isinstance(report, MotorReport):
             if self.faults.motors:
                 self.odometry.motors(at, (abs(report.left_rpm) + abs(report.right_rpm)) / 2)
-        elif estimate := self.odometry.progress(at, report.distance_left):
-            self.estimates.append(estimate)
+        else:
+            told = (report.odometer, report.command_number) if self.faults.odometer else ()
+            if estimate := self.odometry.progress(at, report.distance_left, *told):
+                self.estimates.append(estimate)
 
 
 _REAL = RoverSettings(gps_period=10**12)  # A rover that slips, with a gyroscope that has noise and a bias
@@ -198,6 +205,51 @@ def test_a_board_that_restarts_causes_no_jump(seed: int, motors: bool) -> None:
     restarts = _arcs(link, 8, restarts=0.3)
     assert _distance_error(link) < 0.02 * link.model.rolled + 0.05 + 0.5 * restarts
     assert all(metres <= 0.55 * seconds + 0.05 for seconds, metres in _steps(link))
+
+
+@pytest.mark.slow
+@given(_seeds, st.integers(0, 2))
+@settings(max_examples=5, deadline=None)
+def test_with_an_odometer_the_distance_is_exact_over_a_bad_link(seed: int, restarts: int) -> None:
+    """30 % of the commands and reports are lost, the others up to 200 ms late and in any order, some twice.
+
+    Only what the rover rolls while its board starts again is estimated.
+    """
+    link = FaultyLink(seed, Faults(lost=0.3, repeated=0.1, delay=0.2, imu=False, odometer=True))
+    link.run(1)
+    for part in range(restarts + 1):
+        for _ in range(40):  # as a controller does, forwards and backwards
+            link.command(BoardCommand(link.rng.choice((1.0, 1.0, -0.6)) * link.rng.uniform(0.2, 1), 0.0))
+            link.run(link.rng.choice((0.03, 0.1, 0.4)))
+        if part < restarts:
+            link.model.restart_board()
+    _stop(link)
+    assert link.model.rolled > 1
+    assert abs(link.error()[0]) < 0.002 + 0.12 * restarts
+
+
+def test_the_number_of_a_command_tells_the_turn_without_an_imu() -> None:
+    """Commands that never reach the board do not turn the rover."""
+    link = FaultyLink(3, Faults(imu=False, odometer=True))
+    link.command(BoardCommand(3.0, 2.0))
+    link.run(2)
+    link.faults = replace(link.faults, lost=1.0)
+    link.command(BoardCommand(3.0, -1.0))
+    link.faults = replace(link.faults, lost=0.0)
+    link.run(8)
+    assert link.error()[:2] == pytest.approx((0, 0), abs=0.1)
+
+
+def test_an_odometer_that_begins_anywhere_again_causes_no_jump() -> None:
+    """A single report that no rover can have driven is ignored; half a second of such reports is a new beginning."""
+    odometry, seen = WheelOdometry(has_odometer=True), []
+    for step in range(100):
+        odometer = 0.02 * step + (700.0 if step >= 50 else 0) + (5.0 if step == 20 else 0)
+        estimate = odometry.progress(step * 50_000_000, 1.0, odometer, 0)
+        seen += [estimate.pose.x] if estimate else []
+    assert odometry.ignored == 11
+    assert seen[-1] == pytest.approx(0.02 * (99 - 11), abs=0.1)
+    assert max(abs(new - old) for old, new in itertools.pairwise(seen)) < 0.1
 
 
 def test_a_command_that_another_program_sends_is_adopted() -> None:

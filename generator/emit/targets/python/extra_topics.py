@@ -45,6 +45,9 @@ def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: 
         ("roverlink.runtime.core.standard_handler", "UNSTAMPED"),
         ("roverlink.runtime.interfaces", "Time"),
     }
+    board_stamp = standard.board_stamp
+    if board_stamp is not None:
+        imports.add(("roverlink.runtime.core.handler", "BoardStamp"))
     if standard.obstacle:
         imports.add(("roverlink.runtime.core.errors", "ConversionError"))
     spelled = [argument.value for argument in (*to_ros, *from_ros)]
@@ -70,6 +73,7 @@ def _handler(bridge: ir.Bridge, route: ir.Route, standard: StandardTopic, name: 
         to_ros=to_ros,
         takes_payload=any("payload." in argument.value for argument in to_ros),
         takes_stamp=speller.takes_stamp,
+        board_stamp=board_stamp,
         angles=angles,
         from_ros=from_ros,
     )

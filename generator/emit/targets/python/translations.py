@@ -15,6 +15,7 @@ from roverlink.generator import ir
 from roverlink.generator.emit.arithmetic import Step, steps, steps_back
 from roverlink.generator.emit.render import Files
 from roverlink.generator.ir.interfaces import (
+    BoardTime,
     Chosen,
     Constant,
     Moment,
@@ -102,6 +103,8 @@ def _number(value: Taken | Chosen | Constant) -> Json:
 
 
 def _moment(value: Moment) -> Json:
+    if isinstance(value, BoardTime):
+        return {"counter": value.counter.dotted}
     if value.source is None:
         return {}
     whole = value.source.is_integer and value.nanoseconds.denominator == 1
