@@ -93,7 +93,11 @@ class BusConnection:
             _POLL_S,
         )
         self._layer.logger.disabled = True  # it has a line for each damage, and we count them
-        self._layer.start()
+        try:
+            self._layer.start()
+        except RuntimeError as error:  # its threads have half a second to start, which is short on a busy computer
+            self.close()
+            raise OSError(str(error)) from error
 
     def receive(self, timeout: float) -> list[bytes]:
         """Return the datagrams that have arrived; wait at most ``timeout`` seconds for one."""
