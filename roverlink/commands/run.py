@@ -123,7 +123,9 @@ def run(arguments: argparse.Namespace) -> int:
             logger.info("%s", bridge.way)
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
             # Beside the bridge, which need not wait for it.
-            comparison = Thread(target=_warn_of_changes, args=(project, registry, bridge.account, logger), name="changes")
+            comparison = Thread(
+                target=_warn_of_changes, args=(project, registry, bridge.account, logger), name="changes"
+            )
             comparison.start()
             stack.callback(comparison.join)
             bridge.run()

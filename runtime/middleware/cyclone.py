@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from itertools import repeat
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import Any
 
 import cyclonedds
 from cyclonedds._clayer import ddspy_take, ddspy_write
@@ -72,7 +72,7 @@ COMPILER = Path(str(cyclonedds.__file__)).with_name("idl") / "_xt_builder.py"
 
 def describe(struct: type[IdlStruct]) -> bytes:
     """Return the description of a type that Cyclone DDS needs for a topic."""
-    idl = struct.__idl__
+    idl: Any = struct.__idl__
     idl.fill_type_data()
     return json.dumps(
         {
@@ -93,9 +93,10 @@ class DescribedType(IdlStruct):
         facts = json.loads(description)
         data = tuple(map(bytes.fromhex, facts.pop("_xt_bytedata")))
         done = dict.fromkeys(("populate", "fill_type_data"), lambda: None)
-        kind = type("DescribedType", (cls,), {})
+        kind: Any = type("DescribedType", (cls,), {})
         kind.__idl__ = SimpleNamespace(**facts, **done, _xt_bytedata=data)
-        return kind
+        described: type[DescribedType] = kind
+        return described
 
 
 class MatchedReaders(Listener):
