@@ -243,7 +243,10 @@ class Loop {
     if (stream != nullptr) accept(*stream);
     if (bucket_ != nullptr) bucket_->allowance -= 1;
     const int64_t now = observed != 0 ? monotonic_ns() : 0;
-    if (bridge_.observed) put(*bridge_.observers, bridge_.n_topics, now, datagram.data, datagram.size);
+    if (bridge_.observed) {
+      const uint32_t channel = bridge_.n_topics | (envelope_size_ == datagram.size ? 0 : RL_RAW);
+      put(*bridge_.observers, channel, now, datagram.data, datagram.size);
+    }
     used = 0;
     for (uint32_t index = 0; index < row.topics; ++index) {
       const size_t size = sizes_[index];

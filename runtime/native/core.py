@@ -61,6 +61,10 @@ def load_library(path: Path) -> ctypes.CDLL:
     library.rl_check.argtypes = (table,)
     library.rl_check_bridge.argtypes = library.rl_receive.argtypes = (ctypes.POINTER(bridge_layout.Bridge),)
     library.rl_serve.argtypes = (ctypes.POINTER(bridge_layout.Server),)
+    recording, runs = ctypes.POINTER(bridge_layout.Recording), ctypes.POINTER(bridge_layout.Run)
+    library.rl_count_records.argtypes = (recording, runs)
+    library.rl_record.argtypes = (recording, runs, ctypes.c_uint32, ctypes.c_uint64, pointer, pointer)
+    library.rl_record.restype = library.rl_take_records.restype = size
     library.rl_to_cdr.argtypes = (*message, ctypes.c_int32, ctypes.c_uint32, *result)
     library.rl_to_proto.argtypes = (*message, *result)
     return library
