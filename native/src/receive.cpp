@@ -21,6 +21,7 @@ namespace {
 constexpr size_t MESSAGE_ROOM = size_t{1} << 20;  // for the messages of one datagram on all topics of its row
 constexpr int64_t LOOK_NS = 2'000'000'000;
 constexpr int64_t PAUSE = 9;  // a publisher that made the thread wait is left alone for so many times as long
+constexpr timeval PATIENCE = {0, 50'000};  // of a read, which does not see `wake`
 constexpr int SDK_DATA = 2;   // enum ddsi_serdata_kind
 
 constexpr size_t SENDERS = 256;  // whose admission is remembered
@@ -67,14 +68,16 @@ class Loop {
 
   int run() {
     if (bytes_ == nullptr || messages_ == nullptr || reading_ == nullptr) return -1;
-    for (size_t slot = 0; slot < RL_SLOTS; ++slot)
-      reading_[0].places[slot] = {bytes_.get() + slot * stride_, bridge_.largest};
+    for (size_t slot = 0; slot < RL_SLOTS; ++slot) prepare(slot);
+    setsockopt(bridge_.socket, SOL_SOCKET, SO_RCVTIMEO, &PATIENCE, sizeof PATIENCE);
     pollfd watched[2] = {{bridge_.socket, POLLIN, 0}, {bridge_.wake, POLLIN, 0}};
     while (!load(bridge_.stopping)) {
       // Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
       poll(watched, 2, -1);
       if (watched[1].revents != 0) return 0;
-      if (const int ended = handle_arrived()) return ended;
+      // While datagrams come, the read itself waits for the next one, which saves a system call for each.
+      while (uint32_t count = read())
+        if (const int ended = handle_all(count)) return ended;
     }
     return 0;
   }
@@ -94,35 +97,35 @@ class Loop {
     timespec arrived;
   };
 
-  // Handles all datagrams that have arrived, and also those that arrive meanwhile.
-  int handle_arrived() {
-    uint32_t count = RL_SLOTS;
-    while (count == RL_SLOTS && !load(bridge_.stopping)) {
-      count = read();
-      for (uint32_t first = 0; first < count; first += RL_BURST) {
-        const uint32_t size = std::min<uint32_t>(RL_BURST, count - first);
-        if (const int ended = handle(reading_[0].datagrams + first, size)) return ended;
-      }
+  int handle_all(uint32_t count) {
+    for (uint32_t first = 0; first < count; first += RL_BURST) {
+      const uint32_t size = std::min<uint32_t>(RL_BURST, count - first);
+      if (const int ended = handle(reading_[0].datagrams + first, size)) return ended;
     }
     return 0;
   }
 
+  void prepare(size_t slot) {
+    Reading &reading = reading_[0];
+    reading.places[slot] = {bytes_.get() + slot * stride_, bridge_.largest};
+    msghdr &header = reading.headers[slot].msg_hdr;
+    header = {};
+    header.msg_name = &reading.senders[slot];
+    header.msg_namelen = sizeof reading.senders[slot];
+    header.msg_iov = &reading.places[slot];
+    header.msg_iovlen = 1;
+  }
+
+  // Waits for datagrams, and returns the number of those that have arrived; 0 if none came for a while.
   uint32_t read() {
-    const bool with_senders = load(bridge_.checks_senders);
-    for (size_t slot = 0; slot < RL_SLOTS; ++slot) {
-      msghdr &header = reading_[0].headers[slot].msg_hdr;
-      header = {};
-      header.msg_name = with_senders ? &reading_[0].senders[slot] : nullptr;
-      header.msg_namelen = with_senders ? sizeof reading_[0].senders[slot] : 0;
-      header.msg_iov = &reading_[0].places[slot];
-      header.msg_iovlen = 1;
-    }
-    const int count = recvmmsg(bridge_.socket, reading_[0].headers, RL_SLOTS, MSG_DONTWAIT, nullptr);
+    if (load(bridge_.stopping)) return 0;
+    Reading &reading = reading_[0];
+    const int count = recvmmsg(bridge_.socket, reading.headers, RL_SLOTS, MSG_WAITFORONE, nullptr);
     for (int slot = 0; slot < count; ++slot) {
-      const mmsghdr &header = reading_[0].headers[slot];
-      const msghdr &sender = header.msg_hdr;
-      reading_[0].datagrams[slot] = {static_cast<const uint8_t *>(reading_[0].places[slot].iov_base), header.msg_len,
-                                     sender.msg_name, sender.msg_namelen};
+      msghdr &header = reading.headers[slot].msg_hdr;
+      reading.datagrams[slot] = {bytes_.get() + static_cast<size_t>(slot) * stride_, reading.headers[slot].msg_len,
+                                 header.msg_name, header.msg_namelen};
+      header.msg_namelen = sizeof reading.senders[slot];
     }
     return count > 0 ? static_cast<uint32_t>(count) : 0;
   }

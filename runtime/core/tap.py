@@ -21,7 +21,9 @@ class Block(Protocol):
     def count(self) -> int:
         """Number of messages."""
 
-    def records(self, log_time: int, publish_time: int, offset: int) -> tuple[bytearray, Sequence[tuple[int, array[int]]]]:
+    def records(
+        self, log_time: int, publish_time: int, offset: int
+    ) -> tuple[bytearray, Sequence[tuple[int, array[int]]]]:
         """Return Message records of MCAP; the times are what to add to those of the monotonic clock, in nanoseconds.
 
         The second value has each channel's number in the file, with a log time and a place for each of its messages.

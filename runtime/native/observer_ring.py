@@ -16,14 +16,14 @@ from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
 
 _ROOM = 4 << 20  # bytes; in a flood of small messages, several times what comes between two looks
-_LOOK_S = 0.02
+_LOOK_S = 0.05
 _RECORD = struct.Struct("=IIq")  # size, channel, time: `rl_ring` in bridge.h
 
 
 class ObserverRing:
     """Ring into which one thread of the core copies what observers want, and from which Python takes it.
 
-    A context manager, whose thread empties the ring fifty times a second.
+    A context manager, whose thread empties the ring twenty times a second.
     """
 
     def __init__(self, core: NativeCore, taps: Mapping[int, Sequence[Tap]], name: str) -> None:
@@ -62,7 +62,7 @@ class ObserverRing:
             size = self._core.library.rl_take_records(ctypes.byref(self.struct), self._out)
             records = ctypes.string_at(self._out, size)
             for file, channels in self._files.items():
-                block = _RingBlock(self._core.library, records, channels)
+                block = RingBlock(self._core.library, records, channels)
                 if block.count:
                     file.put(block)
             if self._taps:
@@ -84,7 +84,7 @@ class ObserverRing:
                 tap(messages, times)
 
 
-class _RingBlock:
+class RingBlock:
     """Block with the records that a file gets (see `Block`)."""
 
     def __init__(self, library: ctypes.CDLL, records: bytes, channels: ctypes.Array[ctypes.c_uint16]) -> None:

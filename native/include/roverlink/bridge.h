@@ -27,7 +27,7 @@ extern "C" {
 typedef struct rl_datagram {
   const uint8_t *data;
   size_t size;
-  const void *sender; /* struct sockaddr, if senders are checked */
+  const void *sender; /* struct sockaddr; null for a datagram that did not come from the socket */
   size_t sender_size;
 } rl_datagram;
 
