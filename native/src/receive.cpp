@@ -18,7 +18,7 @@
 namespace roverlink {
 namespace {
 
-constexpr size_t MESSAGE_ROOM = size_t{1} << 20;  // for the messages of one datagram on all topics of its row
+constexpr size_t MESSAGE_ROOM = size_t{1} << 20;  // for the messages of one datagram on all topics of its row, and those that are kept
 constexpr int64_t LOOK_NS = 2'000'000'000;
 constexpr int64_t PAUSE = 9;  // a publisher that made the thread wait is left alone for so many times as long
 constexpr timeval PATIENCE = {0, 50'000};  // of a read, which does not see `wake`
@@ -222,7 +222,7 @@ class Loop {
     // The messages of a topic keep their order.
     const uint32_t *const others = burst.handed_over_rows, *const end = others + burst.n_handed_over;
     if (std::find(others, end, row.number) != end) return false;
-    size_t used = 0, observed = bridge_.observed ? room_of(datagram.size) : 0;
+    size_t used = kept_, observed = bridge_.observed ? room_of(datagram.size) : 0;
     uint64_t to_write = 0;
     for (uint32_t index = 0; index < row.topics; ++index) {
       const rl_topic &topic = bridge_.topics[row.first_topic + index];
@@ -242,7 +242,7 @@ class Loop {
       if (is_wanted) to_write |= uint64_t{1} << index;
       if (topic.observed) observed += room_of(size);
     }
-    if (observed != 0 && !has_room(*bridge_.observers, observed)) return false;
+    if (observed != 0 && !has_room(*bridge_.observers, reserved_ + observed)) return false;
     if (stream != nullptr) accept(*stream);
     if (bucket_ != nullptr) bucket_->allowance -= 1;
     const int64_t now = observed != 0 ? monotonic_ns() : 0;
@@ -250,25 +250,60 @@ class Loop {
       const uint32_t channel = bridge_.n_topics | (envelope_size_ == datagram.size ? 0 : RL_RAW);
       put(*bridge_.observers, channel, now, datagram.data, datagram.size);
     }
-    used = 0;
+    used = kept_;
     for (uint32_t index = 0; index < row.topics; ++index) {
       const size_t size = sizes_[index];
       if (size == 0) continue;
-      rl_topic &topic = bridge_.topics[row.first_topic + index];
-      uint8_t *const message = messages_.get() + used;
-      const Turn turn = topic.pacer == nullptr ? Turn::PASSES : offer(*topic.pacer, message, size);
-      if (turn == Turn::WAITS) waiting_[n_waiting_++] = row.first_topic + index;
-      if (turn != Turn::PASSES) {
-        // Python publishes it, or a newer one.
-      } else if ((to_write >> index & 1) == 0 || write(topic, message, size)) {
-        add(topic.published, 1);
-        if (topic.observed) put(*bridge_.observers, row.first_topic + index, now, message, size);
-      } else {
-        note_unpublished(row.first_topic + index);
-      }
+      const Made made = {row.first_topic + index, messages_.get() + used, size, (to_write >> index & 1) != 0};
       used += (size + 7) & ~size_t{7};
+      if (bridge_.topics[made.topic].pacer != nullptr) {
+        keep(made);
+        kept_ = used;
+      } else {
+        pass(made, now);
+      }
     }
     return true;
+  }
+
+  // Serialized message for a topic.
+  struct Made {
+    uint32_t topic;
+    uint8_t *message;
+    size_t size;
+    bool is_wanted;
+  };
+
+  void pass(const Made &made, int64_t now) {
+    rl_topic &topic = bridge_.topics[made.topic];
+    if (made.is_wanted && !write(topic, made.message, made.size)) {
+      note_unpublished(made.topic);
+      return;
+    }
+    add(topic.published, 1);
+    if (topic.observed) put(*bridge_.observers, made.topic, now, made.message, made.size);
+  }
+
+  // Of the messages of a burst for a topic with a limit, the newest one takes the turn, as in PacedInboundRow.
+  void keep(const Made &made) {
+    const rl_topic &topic = bridge_.topics[made.topic];
+    if (topic.observed) reserved_ += room_of(made.size);
+    Made *const place = std::find_if(paced_, paced_ + n_paced_, [&](const Made &one) { return one.topic == made.topic; });
+    if (place != paced_ + n_paced_)
+      add(topic.pacer->superseded, 1);
+    else
+      ++n_paced_;
+    *place = made;
+  }
+
+  void offer_kept() {
+    for (const Made *made = paced_; made != paced_ + n_paced_; ++made) {
+      const Turn turn = offer(*bridge_.topics[made->topic].pacer, made->message, made->size);
+      if (turn == Turn::PASSES) pass(*made, monotonic_ns());
+      if (turn == Turn::WAITS) waiting_[n_waiting_++] = made->topic;  // Python publishes it, or a newer one
+    }
+    n_paced_ = 0;
+    kept_ = reserved_ = 0;
   }
 
   // Python has decided once that the row may come from the sender, and learns nothing from another datagram.
@@ -367,6 +402,7 @@ class Loop {
 
   // Finishes what has been done for the datagrams so far, and hands the others over.
   int settle(Burst &burst) {
+    offer_kept();
     flush();
     if (const int ended = forward(burst)) return ended;
     if (handled_ != 0) note_latency(burst.began);
@@ -429,7 +465,11 @@ class Loop {
   uint32_t n_touched_ = 0;
   uint32_t unpublished_[WRITES] = {};
   uint32_t n_unpublished_ = 0;
-  uint32_t waiting_[RL_BURST] = {};  // of a row, only its own topic has a pacer
+  Made paced_[RL_BURST] = {};  // of a row, only its own topic has a pacer
+  uint32_t n_paced_ = 0;
+  size_t kept_ = 0;      // bytes of `messages_` up to the end of those in `paced_`
+  size_t reserved_ = 0;  // bytes of the observers' ring for them
+  uint32_t waiting_[RL_BURST] = {};
   uint32_t n_waiting_ = 0;
   rl_bucket *bucket_ = nullptr;  // of the sender of the datagram
   Sender senders_[SENDERS] = {};

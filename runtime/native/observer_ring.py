@@ -97,6 +97,7 @@ class RingBlock:
     def records(
         self, log_time: int, publish_time: int, offset: int
     ) -> tuple[bytearray, Sequence[tuple[int, array[int]]]]:
+        """Return the records of a file, as `Block` says."""
         self._recording.log_time, self._recording.publish_time = log_time, publish_time
         out, index = bytearray(2 * self._recording.size), array("Q", bytes(16 * self.count))
         size = self._library.rl_record(

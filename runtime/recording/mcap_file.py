@@ -1,8 +1,8 @@
 """Writer of one MCAP file (mcap.dev/spec), the file format of recordings.
 
 The mcap package's writer needs 7 us of Python for each message, and the bridge waits for the interpreter lock
-meanwhile. This writer needs 1 us, because it packs the messages of a chunk in one loop, and next to nothing for those that
-come from the native core in blocks. The mcap package writes all other records.
+meanwhile. This writer needs 1 us, because it packs the messages of a chunk in one loop. Those of the native core come
+in blocks, which the core packs itself. The mcap package writes all other records.
 
 A file on disk consists of complete records; only if the program is killed during a write, the last record may be
 incomplete. `flush` ends a chunk and waits until the disk has stored it. `finish` writes the summary, which readers need

@@ -128,7 +128,8 @@ class QueuedFile:
             self.file.add_channel(self.channels[self._declared])
             self._declared += 1
         taken = [self._next_waiting() for _ in range(count)]
-        for is_block, entries in groupby(taken, lambda entry: isinstance(entry, _WaitingBlock)):
+        for is_block, run in groupby(taken, lambda entry: isinstance(entry, _WaitingBlock)):
+            entries = [*run]
             if is_block:
                 for block, publish_time in entries:
                     self.file.add_block(block, self._clock.start, publish_time)
