@@ -14,6 +14,13 @@ class Tap(Protocol):
         """Take messages; ``arrived`` are their times in nanoseconds of the monotonic clock, empty for now."""
 
 
+@runtime_checkable
+class NewestTap(Tap, Protocol):
+    """Tap for which the newest message is enough."""
+
+    newest_is_enough: bool
+
+
 class Block(Protocol):
     """Messages of several channels of a file, which the native core turns into the file's records at once."""
 

@@ -62,6 +62,8 @@ def load_library(path: Path) -> ctypes.CDLL:
     library.rl_check_bridge.argtypes = library.rl_receive.argtypes = (ctypes.POINTER(bridge_layout.Bridge),)
     library.rl_serve.argtypes = (ctypes.POINTER(bridge_layout.Server),)
     recording, runs = ctypes.POINTER(bridge_layout.Recording), ctypes.POINTER(bridge_layout.Run)
+    library.rl_newest_records.argtypes = (ctypes.c_char_p, size, ctypes.POINTER(ctypes.c_uint64))
+    library.rl_newest_records.restype = None
     library.rl_count_records.argtypes = (recording, runs)
     library.rl_record.argtypes = (recording, runs, ctypes.c_uint32, ctypes.c_uint64, pointer, pointer)
     library.rl_record.restype = library.rl_take_records.restype = size

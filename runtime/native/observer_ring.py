@@ -11,7 +11,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 from roverlink.runtime.core.periodic_thread import PeriodicThread
-from roverlink.runtime.core.tap import BlockFile, FileTap, Tap
+from roverlink.runtime.core.tap import BlockFile, FileTap, NewestTap, Tap
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
 
@@ -34,13 +34,16 @@ class ObserverRing:
         self._core = core
         self._files: dict[BlockFile, ctypes.Array[ctypes.c_uint16]] = {}
         self._taps: dict[int, list[Tap]] = {}
+        self._of_newest: dict[int, list[Tap]] = {}
+        self._channels = max(taps) + 1
         for channel, listeners in taps.items():
             for tap in listeners:
                 if isinstance(tap, FileTap):
-                    channels = self._files.setdefault(tap.file, (ctypes.c_uint16 * (max(taps) + 1))())
+                    channels = self._files.setdefault(tap.file, (ctypes.c_uint16 * self._channels)())
                     channels[channel] = tap.channel
                 else:
-                    self._taps.setdefault(channel, []).append(tap)
+                    of = self._of_newest if isinstance(tap, NewestTap) else self._taps
+                    of.setdefault(channel, []).append(tap)
         self._memory, self._out = ctypes.create_string_buffer(_ROOM), ctypes.create_string_buffer(_ROOM)
         self.struct = native.Ring(ctypes.addressof(self._memory), _ROOM)
         self._lock = threading.Lock()
@@ -65,8 +68,20 @@ class ObserverRing:
                 block = RingBlock(self._core.library, records, channels)
                 if block.count:
                     file.put(block)
+            if self._of_newest:
+                self._pass_newest_on(records)
             if self._taps:
                 self._pass_on(records)
+
+    def _pass_newest_on(self, records: bytes) -> None:
+        places = (ctypes.c_uint64 * self._channels)()
+        self._core.library.rl_newest_records(records, len(records), places)
+        for channel, taps in self._of_newest.items():
+            if place := places[channel]:
+                length, _, at = _RECORD.unpack_from(records, place - 1)
+                start = place - 1 + _RECORD.size
+                for tap in taps:
+                    tap([records[start : start + length]], [at])
 
     def _pass_on(self, records: bytes) -> None:
         found: defaultdict[int, tuple[list[bytes], list[int]]] = defaultdict(lambda: ([], []))

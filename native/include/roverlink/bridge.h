@@ -47,6 +47,9 @@ typedef struct rl_ring {
 /* Copy all records to `out`, which has the room of the ring, and remove them. Returns the number of bytes. */
 RL_API size_t rl_take_records(rl_ring *, uint8_t *out);
 
+/* Set the member of each channel of which there are records: the place of the newest one, plus 1. */
+RL_API void rl_newest_records(const uint8_t *records, size_t size, uint64_t *places);
+
 /* Records that `rl_take_records` gave, and what a file in the format MCAP gets of them. */
 typedef struct rl_recording {
   const uint8_t *records;
