@@ -67,9 +67,7 @@ class _NewestMessage:
     def __init__(self, newest: dict[str, bytes], row: str) -> None:
         self._newest, self._row = newest, row
 
-    def __call__(
-        self, messages: Sequence[bytes], arrived: Sequence[int] = ()
-    ) -> None:  # noqa: ARG002  # the newest is enough
+    def __call__(self, messages: Sequence[bytes], arrived: Sequence[int] = ()) -> None:  # noqa: ARG002  # of each tap
         if messages:
             self._newest[self._row] = messages[-1]
 
