@@ -100,7 +100,7 @@ class OutboundRow:
         """Send the stop if it is due; otherwise send the waiting message if the rate limit allows it now."""
         if self._watchdog and self._stop_is_due(self._watchdog, now):
             self._tell_to_stop()
-        elif self.pacer is not None and self.lock.acquire(blocking=False):
+        elif self.pacer is not None and self.pacer.waits and self.lock.acquire(blocking=False):
             try:
                 if (message := self.pacer.take(now)) is not None:
                     self._pass_on([message])
