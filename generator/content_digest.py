@@ -12,8 +12,9 @@ from collections.abc import Iterable
 
 import yaml
 
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # PyYAML may be built without the fast one
+"""Fast loader, for tables that somebody else has checked."""
 _LENGTH = 16  # hexadecimal digits: 64 bits, because nobody attacks a file of his own
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # PyYAML may be built without the fast one
 _PROTO_TOKEN = re.compile(
     r"""//[^\n]*|/\*.*?\*/|("(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|\w+|\S)""", re.DOTALL
 )  # comments have no group
@@ -26,7 +27,7 @@ def proto_digest(text: str) -> str:
 
 def table_digest(text: str) -> str:
     """Return the digest of the values in a table. Raises `yaml.YAMLError` if the text is not YAML."""
-    return _node_digest(yaml.compose(text, _LOADER), {})
+    return _node_digest(yaml.compose(text, LOADER), {})
 
 
 def _node_digest(node: yaml.Node | None, known: dict[int, str]) -> str:

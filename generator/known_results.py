@@ -20,7 +20,7 @@ from typing import Any
 
 from roverlink.generator import source_files
 from roverlink.generator.ledger_names import LEDGER
-from roverlink.generator.user_cache import CacheFile
+from roverlink.user_cache import CacheFile
 
 _READ = (".proto", ".options")
 _VERSIONS = {  # the file that has the version of each package whose code or output is in a result

@@ -20,10 +20,8 @@ _SHARED_NAMES = {
 }
 LINKED = ("generator", "runtime")
 """Folders of the repository that are imported as `roverlink.<folder>`."""
-_FOR_ALL = tuple(
-    f"roverlink/{name}"
-    for name in ("suggestions", "datagram_size", "transport_addresses", "bounded_files", "bounded_yaml")
-)
+_ALONE = ("suggestions", "datagram_size", "transport_addresses", "bounded_files", "bounded_yaml", "user_cache")
+_FOR_ALL = tuple(f"roverlink/{name}" for name in _ALONE)
 PRODUCTS = ("rover/roverkit", "check_launch/check_launch")
 """Packages of the other products of the repository."""
 

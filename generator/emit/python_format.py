@@ -17,7 +17,7 @@ import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from importlib.metadata import version
 
-from roverlink.generator.user_cache import cache_folder
+from roverlink.user_cache import cache_folder
 
 LINE_LENGTH = 88
 """Largest number of columns in a line of generated Python. This is black's default."""

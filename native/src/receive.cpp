@@ -18,9 +18,10 @@
 namespace roverlink {
 namespace {
 
-constexpr size_t MESSAGE_ROOM = size_t{1} << 20;  // for the messages of one datagram on all topics of its row
+constexpr size_t MESSAGE_ROOM = size_t{1} << 20;  // for the messages of one datagram on all topics of its row, and those that are kept
 constexpr int64_t LOOK_NS = 2'000'000'000;
 constexpr int64_t PAUSE = 9;  // a publisher that made the thread wait is left alone for so many times as long
+constexpr timeval PATIENCE = {0, 50'000};  // of a read, which does not see `wake`
 constexpr int SDK_DATA = 2;   // enum ddsi_serdata_kind
 
 constexpr size_t SENDERS = 256;  // whose admission is remembered
@@ -67,14 +68,16 @@ class Loop {
 
   int run() {
     if (bytes_ == nullptr || messages_ == nullptr || reading_ == nullptr) return -1;
-    for (size_t slot = 0; slot < RL_SLOTS; ++slot)
-      reading_[0].places[slot] = {bytes_.get() + slot * stride_, bridge_.largest};
+    for (size_t slot = 0; slot < RL_SLOTS; ++slot) prepare(slot);
+    setsockopt(bridge_.socket, SOL_SOCKET, SO_RCVTIMEO, &PATIENCE, sizeof PATIENCE);
     pollfd watched[2] = {{bridge_.socket, POLLIN, 0}, {bridge_.wake, POLLIN, 0}};
     while (!load(bridge_.stopping)) {
       // Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
       poll(watched, 2, -1);
       if (watched[1].revents != 0) return 0;
-      if (const int ended = handle_arrived()) return ended;
+      // While datagrams come, the read itself waits for the next one, which saves a system call for each.
+      while (uint32_t count = read())
+        if (const int ended = handle_all(count)) return ended;
     }
     return 0;
   }
@@ -95,35 +98,35 @@ class Loop {
     timespec arrived;
   };
 
-  // Handles all datagrams that have arrived, and also those that arrive meanwhile.
-  int handle_arrived() {
-    uint32_t count = RL_SLOTS;
-    while (count == RL_SLOTS && !load(bridge_.stopping)) {
-      count = read();
-      for (uint32_t first = 0; first < count; first += RL_BURST) {
-        const uint32_t size = std::min<uint32_t>(RL_BURST, count - first);
-        if (const int ended = handle(reading_[0].datagrams + first, size)) return ended;
-      }
+  int handle_all(uint32_t count) {
+    for (uint32_t first = 0; first < count; first += RL_BURST) {
+      const uint32_t size = std::min<uint32_t>(RL_BURST, count - first);
+      if (const int ended = handle(reading_[0].datagrams + first, size)) return ended;
     }
     return 0;
   }
 
+  void prepare(size_t slot) {
+    Reading &reading = reading_[0];
+    reading.places[slot] = {bytes_.get() + slot * stride_, bridge_.largest};
+    msghdr &header = reading.headers[slot].msg_hdr;
+    header = {};
+    header.msg_name = &reading.senders[slot];
+    header.msg_namelen = sizeof reading.senders[slot];
+    header.msg_iov = &reading.places[slot];
+    header.msg_iovlen = 1;
+  }
+
+  // Waits for datagrams, and returns the number of those that have arrived; 0 if none came for a while.
   uint32_t read() {
-    const bool with_senders = load(bridge_.checks_senders);
-    for (size_t slot = 0; slot < RL_SLOTS; ++slot) {
-      msghdr &header = reading_[0].headers[slot].msg_hdr;
-      header = {};
-      header.msg_name = with_senders ? &reading_[0].senders[slot] : nullptr;
-      header.msg_namelen = with_senders ? sizeof reading_[0].senders[slot] : 0;
-      header.msg_iov = &reading_[0].places[slot];
-      header.msg_iovlen = 1;
-    }
-    const int count = recvmmsg(bridge_.socket, reading_[0].headers, RL_SLOTS, MSG_DONTWAIT, nullptr);
+    if (load(bridge_.stopping)) return 0;
+    Reading &reading = reading_[0];
+    const int count = recvmmsg(bridge_.socket, reading.headers, RL_SLOTS, MSG_WAITFORONE, nullptr);
     for (int slot = 0; slot < count; ++slot) {
-      const mmsghdr &header = reading_[0].headers[slot];
-      const msghdr &sender = header.msg_hdr;
-      reading_[0].datagrams[slot] = {static_cast<const uint8_t *>(reading_[0].places[slot].iov_base), header.msg_len,
-                                     sender.msg_name, sender.msg_namelen};
+      msghdr &header = reading.headers[slot].msg_hdr;
+      reading.datagrams[slot] = {bytes_.get() + static_cast<size_t>(slot) * stride_, reading.headers[slot].msg_len,
+                                 header.msg_name, header.msg_namelen};
+      header.msg_namelen = sizeof reading.senders[slot];
     }
     return count > 0 ? static_cast<uint32_t>(count) : 0;
   }
@@ -221,7 +224,7 @@ class Loop {
     // The messages of a topic keep their order.
     const uint32_t *const others = burst.handed_over_rows, *const end = others + burst.n_handed_over;
     if (std::find(others, end, row.number) != end) return false;
-    size_t used = 0, observed = bridge_.observed ? room_of(datagram.size) : 0;
+    size_t used = kept_, observed = bridge_.observed ? room_of(datagram.size) : 0;
     uint64_t to_write = 0;
     for (uint32_t index = 0; index < row.topics; ++index) {
       const rl_topic &topic = bridge_.topics[row.first_topic + index];
@@ -241,30 +244,69 @@ class Loop {
       if (is_wanted) to_write |= uint64_t{1} << index;
       if (topic.observed) observed += room_of(size);
     }
-    if (observed != 0 && !has_room(*bridge_.observers, observed)) return false;
+    if (observed != 0 && !has_room(*bridge_.observers, reserved_ + observed)) return false;
     if (stream != nullptr) accept(*stream);
     if (bucket_ != nullptr) bucket_->allowance -= 1;
     const int64_t now = observed != 0 ? monotonic_ns() : 0;
-    if (bridge_.observed) put(*bridge_.observers, bridge_.n_topics, now, datagram.data, datagram.size);
-    used = 0;
+    if (bridge_.observed) {
+      const uint32_t channel = bridge_.n_topics | (envelope_size_ == datagram.size ? 0 : RL_RAW);
+      put(*bridge_.observers, channel, now, datagram.data, datagram.size);
+    }
+    used = kept_;
     for (uint32_t index = 0; index < row.topics; ++index) {
       const size_t size = sizes_[index];
       if (size == 0) continue;
-      rl_topic &topic = bridge_.topics[row.first_topic + index];
-      uint8_t *const message = messages_.get() + used;
-      const Turn turn = topic.pacer == nullptr ? Turn::PASSES : offer(*topic.pacer, message, size);
-      if (turn == Turn::WAITS && n_waiting_ < RL_BURST) waiting_[n_waiting_++] = row.first_topic + index;
-      if (turn != Turn::PASSES) {
-        // Python publishes it, or a newer one.
-      } else if ((to_write >> index & 1) == 0 || write(topic, message, size)) {
-        add(topic.published, 1);
-        if (topic.observed) put(*bridge_.observers, row.first_topic + index, now, message, size);
-      } else {
-        note_unpublished(row.first_topic + index);
-      }
+      const Made made = {row.first_topic + index, messages_.get() + used, size, (to_write >> index & 1) != 0};
       used += (size + 7) & ~size_t{7};
+      if (bridge_.topics[made.topic].pacer != nullptr) {
+        keep(made);
+        kept_ = used;
+      } else {
+        pass(made, now);
+      }
     }
     return true;
+  }
+
+  // Serialized message for a topic.
+  struct Made {
+    uint32_t topic;
+    uint8_t *message;
+    size_t size;
+    bool is_wanted;
+  };
+
+  void pass(const Made &made, int64_t now) {
+    rl_topic &topic = bridge_.topics[made.topic];
+    if (made.is_wanted && !write(topic, made.message, made.size)) {
+      note_unpublished(made.topic);
+      return;
+    }
+    add(topic.published, 1);
+    if (topic.observed) put(*bridge_.observers, made.topic, now, made.message, made.size);
+  }
+
+  // Of the messages of a burst for a topic with a limit, the newest one takes the turn, as in PacedInboundRow.
+  void keep(const Made &made) {
+    const rl_topic &topic = bridge_.topics[made.topic];
+    if (topic.observed) reserved_ += room_of(made.size);
+    Made *const place = std::find_if(paced_, paced_ + n_paced_, [&](const Made &one) { return one.topic == made.topic; });
+    if (place != paced_ + n_paced_)
+      add(topic.pacer->superseded, 1);
+    else
+      ++n_paced_;
+    *place = made;
+  }
+
+  void offer_kept() {
+    for (const Made *made = paced_; made != paced_ + n_paced_; ++made) {
+      const Turn turn = offer(*bridge_.topics[made->topic].pacer, made->message, made->size);
+      if (turn == Turn::PASSES) pass(*made, monotonic_ns());
+      // Python publishes it, or a newer one.
+      if (turn == Turn::WAITS && n_waiting_ < RL_BURST) waiting_[n_waiting_++] = made->topic;
+    }
+    n_paced_ = 0;
+    kept_ = reserved_ = 0;
   }
 
   // Python has decided once that the row may come from the sender, and learns nothing from another datagram.
@@ -363,6 +405,7 @@ class Loop {
 
   // Finishes what has been done for the datagrams so far, and hands the others over.
   int settle(Burst &burst) {
+    offer_kept();
     flush();
     if (const int ended = forward(burst)) return ended;
     if (handled_ != 0) note_latency(burst.began);
@@ -430,6 +473,10 @@ class Loop {
   uint32_t n_touched_ = 0;
   uint32_t unpublished_[WRITES] = {};
   uint32_t n_unpublished_ = 0;
+  Made paced_[RL_BURST] = {};  // of a row, only its own topic has a pacer
+  uint32_t n_paced_ = 0;
+  size_t kept_ = 0;      // bytes of `messages_` up to the end of those in `paced_`
+  size_t reserved_ = 0;  // bytes of the observers' ring for them
   uint32_t waiting_[RL_BURST] = {};  // whose row has a message or a datagram that waits: one call wakes Python
   uint32_t n_waiting_ = 0;
   rl_bucket *bucket_ = nullptr;  // of the sender of the datagram

@@ -9,3 +9,11 @@ extern "C" size_t rl_take_records(rl_ring *ring, uint8_t *out) {
   __atomic_store_n(&ring->read, written, __ATOMIC_RELEASE);
   return size;
 }
+
+extern "C" void rl_newest_records(const uint8_t *records, size_t size, uint64_t *places) {
+  roverlink::Record record;
+  for (size_t place = 0; place < size; place += roverlink::room_of(record.size)) {
+    std::memcpy(&record, records + place, sizeof record);
+    places[record.channel & ~RL_RAW] = place + 1;
+  }
+}

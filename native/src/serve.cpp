@@ -160,6 +160,7 @@ class Server {
         uint8_t *begin = write_varint_before(end - written, written);
         begin = write_varint_before(begin, uint64_t{topic.number} << 3 | DELIMITED);
         auto made = static_cast<size_t>(end - begin);
+        const size_t whole = made;
         if (topic.strips_zeros) made = without_zeros(begin, made);
         const bool is_paced = topic.pacer != nullptr;
         if ((!is_paced || size <= topic.pacer->room) && observe(index, topic, made)) {
@@ -170,6 +171,7 @@ class Server {
           }
           const Turn turn = is_paced ? offer(*topic.pacer, message_.buffer, size) : Turn::PASSES;
           if (turn != Turn::PASSES) return turn == Turn::WAITS ? server_.calls.wait(index) : 0;
+          is_cut_[n_datagrams_] = made != whole;
           datagrams_[n_datagrams_++] = {begin, made, nullptr, 0};
           free_ = static_cast<size_t>(begin - out_.get());
           return 0;
@@ -204,7 +206,8 @@ class Server {
       if (sent != 0) store(topic.sent_at, monotonic_ns());
       add(topic.sent, sent);
       for (uint32_t one = done; (topic.observed & 2) != 0 && one < done + sent; ++one)
-        put(*server_.observers, 2 * index + 1, topic.sent_at, datagrams_[one].data, datagrams_[one].size);
+        put(*server_.observers, (2 * index + 1) | (is_cut_[one] ? RL_RAW : 0), topic.sent_at, datagrams_[one].data,
+            datagrams_[one].size);
       done += sent;
       if (done < n_datagrams_)
         if (const int ended = server_.calls.send(index, datagrams_ + done++)) return ended;
@@ -221,6 +224,7 @@ class Server {
   Memory<uint8_t> out_;
   Memory<intptr_t> triggered_;
   rl_datagram datagrams_[MOST] = {};
+  bool is_cut_[MOST] = {};  // zeros at the datagram's end were stripped
   uint32_t n_datagrams_ = 0;
   size_t free_ = ROOM;  // bytes of `out_` before the datagrams
   size_t reserved_ = 0;  // bytes of the observers' ring for the datagrams

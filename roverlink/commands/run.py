@@ -19,9 +19,9 @@ import argparse
 import json
 import logging
 import signal
-from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from threading import Thread
 
 from roverlink import observers
 from roverlink.console import (
@@ -113,7 +113,6 @@ def run(arguments: argparse.Namespace) -> int:
             clock = published_log.enter_context(SimulatedClock(middleware, ros.topic(TOPIC), logger.warning))
         wrapped = attached.wrap(middleware)
         bridge = Bridge(registry, settings, wrapped, ros.topic, logger, attached.observers, links, clock)
-        _warn_of_changes(changed_sources(project, registry), bridge.account, logger)
         for number in _STOPPING:
             # A handler instead of KeyboardInterrupt, which would leave the bridge in the middle of a batch: `stop` lets
             # it handle what has arrived, and send the stops.
@@ -125,6 +124,12 @@ def run(arguments: argparse.Namespace) -> int:
             stack.callback(lambda: _tell_account(bridge.account, logger, json_too=arguments.json))
             logger.info("%s", bridge.way)
             _announce(registry, ros.node.full_name, bridge.port, logger, json_too=arguments.json)
+            # Beside the bridge, which need not wait for it.
+            comparison = Thread(
+                target=_warn_of_changes, args=(project, registry, bridge.account, logger), name="changes"
+            )
+            comparison.start()
+            stack.callback(comparison.join)
             bridge.run()
     return OK
 
@@ -138,9 +143,9 @@ def _tell_account(account: Account, logger: logging.Logger, *, json_too: bool) -
         print(json.dumps(account.as_dict()))
 
 
-def _warn_of_changes(changed: Sequence[str], account: Account, logger: logging.Logger) -> None:
+def _warn_of_changes(project: Path, registry: Registry, account: Account, logger: logging.Logger) -> None:
     """Warn that files have changed since the generated code was made, in the log and on /diagnostics."""
-    if changed:
+    if changed := changed_sources(project, registry):
         more = f" and {len(changed) - _NAMED} more" if len(changed) > _NAMED else ""
         files = ", ".join(changed[:_NAMED]) + more
         text = f"the generated code is that of an earlier state of {files}; run `roverlink generate`"

@@ -59,6 +59,19 @@ class History:
         return [(point.time, point.numbers[point.names.index(field)]) for point in points if field in point.names]
 
 
+class _NewestMessage:
+    """Function that keeps the newest message of a row (see `NewestTap`)."""
+
+    newest_is_enough = True
+
+    def __init__(self, newest: dict[str, bytes], row: str) -> None:
+        self._newest, self._row = newest, row
+
+    def __call__(self, messages: Sequence[bytes], arrived: Sequence[int] = ()) -> None:  # noqa: ARG002  # of each tap
+        if messages:
+            self._newest[self._row] = messages[-1]
+
+
 class LastValues:
     """Listener that keeps the last message of each row, and converts it later on the thread of the page.
 
@@ -78,13 +91,7 @@ class LastValues:
         if row is None:
             return None
         self._types[row] = message_type
-        newest = self._newest
-
-        def tap(messages: Sequence[bytes], arrived: Sequence[int] = ()) -> None:  # noqa: ARG001  # the newest is enough
-            if messages:
-                newest[row] = messages[-1]
-
-        return tap
+        return _NewestMessage(self._newest, row)
 
     def changes(self) -> Iterator[tuple[str, Values]]:
         """Yield name and values of each row that has had a message since the last call."""

@@ -102,7 +102,9 @@ class OutboundRow:
         """Send the stop if it is due; otherwise the waiting message if its time has come, or the last one again."""
         if self._watchdog and self._stop_is_due(self._watchdog, now):
             self._tell_to_stop()
-        elif (self.pacer or self._changes) and self.lock.acquire(blocking=False):
+        elif (self._changes is not None or (self.pacer is not None and self.pacer.waits)) and self.lock.acquire(
+            blocking=False
+        ):
             try:
                 if self.pacer is not None and (message := self.pacer.take(now)) is not None:
                     self._pass_on([message])

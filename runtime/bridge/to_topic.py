@@ -72,7 +72,7 @@ class PacedInboundRow(InboundRow):
     def run_due(self, now: float) -> None:
         """Publish the waiting message if the rate limit allows it now."""
         # If the receiving thread holds the lock, it is publishing right now; the next round looks again.
-        if self.lock.acquire(blocking=False):
+        if self.pacer.waits and self.lock.acquire(blocking=False):
             try:
                 if (message := self.pacer.take(now)) is not None:
                     super().take([message])

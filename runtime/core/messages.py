@@ -19,7 +19,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, ClassVar, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
+from inspect import get_annotations
+from typing import Annotated, Any, ClassVar, ParamSpec, TypeVar, Union, get_args, get_origin
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -154,8 +155,10 @@ def fields_of(message_type: type[Message]) -> tuple[Field, ...]:
 
     Raises `TypeError` if an annotation is not a ROS type.
     """
-    # `from __future__ import annotations` makes them strings; get_type_hints evaluates them in the class's module.
-    hints = get_type_hints(message_type, include_extras=True)
+    hints: dict[str, Any] = {}
+    for kind in reversed(message_type.__mro__):
+        # `from __future__ import annotations` makes them strings. typing.get_type_hints takes three times as long.
+        hints |= get_annotations(kind, eval_str=True)
     return tuple(
         Field(name, type_of(hint))
         for name, hint in hints.items()

@@ -9,6 +9,7 @@ import importlib
 import platform
 
 from roverlink.runtime.core.errors import MiddlewareError
+from roverlink.runtime.middleware import later_modules
 from roverlink.runtime.middleware.protocol import (
     NOT_ACCEPTED,
     Callback,
@@ -88,7 +89,8 @@ def _open_rclpy(node: NodeIdentity, parameters: NodeParameters | None) -> Middle
 
 def _open_dds(node: NodeIdentity, parameters: NodeParameters | None) -> Middleware:
     try:
-        from roverlink.runtime.middleware.dds import DdsMiddleware
+        with later_modules.put_off():
+            from roverlink.runtime.middleware.dds import DdsMiddleware
     except ImportError as error:
         raise MiddlewareError(
             f"Cyclone DDS cannot be imported ({error}); install it with `pip install cyclonedds`"

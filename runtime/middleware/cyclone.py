@@ -4,6 +4,7 @@
 - *Batching*: a writer collects samples until it is flushed, and sends them in one packet. Sending a packet and waking
   the subscriber cost several times as much as all other work for a sample.
 - *Acknowledgement*: in version 11.0.1, the package's function that waits for it fails where it should return False.
+- *Types*: the package compiles the type of a topic from a class. Its C part needs only a name and some bytes of it.
 - *Deletion*: the package deletes an entity when its last reference is gone. At the end of a program this may never
   happen; other nodes then see the node for ten more seconds. Or it happens while Python shuts down. Then a thread of
   Cyclone DDS that needs Python to free a topic's type is ended by Python, and joining that thread blocks forever.
@@ -12,12 +13,17 @@
 from __future__ import annotations
 
 import ctypes
+import json
 from collections.abc import Sequence
 from itertools import repeat
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import cyclonedds
 from cyclonedds._clayer import ddspy_take, ddspy_write
 from cyclonedds.core import DDSException, Entity, InstanceState, Listener, SampleState, ViewState
+from cyclonedds.idl import IdlStruct
 from cyclonedds.internal import DDS, dds_c_t
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import BasePolicy, _CQos
@@ -57,6 +63,39 @@ def _set_policy(_: object, qos: Any, __: WriterBatching) -> None:
 
 # The package finds the setter of a policy by the name of its scope.
 _CQos._set_p_writerbatching = classmethod(_set_policy)  # type: ignore[attr-defined]  # added here
+
+
+COMPILER = Path(str(cyclonedds.__file__)).with_name("idl") / "_xt_builder.py"
+"""The package's compiler of types, which another version of the package replaces."""
+
+
+def describe(struct: type[IdlStruct]) -> bytes:
+    """Return the description of a type that Cyclone DDS needs for a topic."""
+    idl: Any = struct.__idl__
+    idl.fill_type_data()
+    return json.dumps(
+        {
+            "idl_transformed_typename": idl.idl_transformed_typename,
+            "data_type_props": int(idl.data_type_props),
+            "supported_versions": int(idl.supported_versions),
+            "_xt_bytedata": [data.hex() for data in idl._xt_bytedata],
+        }
+    ).encode()
+
+
+class DescribedType(IdlStruct):
+    """Type of topics of which there is only a description."""
+
+    @classmethod
+    def of(cls, description: bytes) -> type[DescribedType]:
+        """Return the type with a description that `describe` has made."""
+        facts = json.loads(description)
+        data = tuple(map(bytes.fromhex, facts.pop("_xt_bytedata")))
+        done = dict.fromkeys(("populate", "fill_type_data"), lambda: None)
+        kind: Any = type("DescribedType", (cls,), {})
+        kind.__idl__ = SimpleNamespace(**facts, **done, _xt_bytedata=data)
+        described: type[DescribedType] = kind
+        return described
 
 
 class MatchedReaders(Listener):

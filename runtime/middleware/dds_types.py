@@ -1,11 +1,15 @@
 """DDS types and DDS QoS policies for ROS 2 messages.
 
 A DDS type has the same structure as its message, because Cyclone DDS compares the structures if both sides announce
-them. But no object of the type is ever created: we write and take serialized bytes.
+them. But no object of the type is ever created: we write and take serialized bytes. So all that Cyclone DDS needs is a
+description of each type. Its compiler of types is slow, so that the descriptions stay in the user's cache folder.
 """
 
 from __future__ import annotations
 
+import hashlib
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from cyclonedds.idl import IdlStruct, make_idl_struct, types
@@ -22,8 +26,10 @@ from roverlink.runtime.core.messages import (
     Text,
     cached_by_type,
     fields_of,
+    messages_in,
 )
-from roverlink.runtime.middleware.cyclone import WriterBatching
+from roverlink.runtime.middleware.cyclone import COMPILER, DescribedType, WriterBatching, describe
+from roverlink.user_cache import CacheFile
 
 _MAX_BLOCKING = 0  # ns that a reliable write may block for slow readers; a blocked bridge loses datagrams
 _UNLIMITED = -1
@@ -94,8 +100,28 @@ def ros_type_name(dds_name: str) -> str:
 
 
 @cached_by_type
-def dds_type(message_type: type[Message]) -> type[IdlStruct]:
-    """Return the DDS type of a ROS 2 message: ``comms/msg/Imu`` -> ``comms::msg::dds_::Imu_``."""
+def dds_type(message_type: type[Message]) -> type[DescribedType]:
+    """Return the DDS type of a ROS 2 message for a topic: ``comms/msg/Imu`` -> ``comms::msg::dds_::Imu_``."""
+    parts = [(one.__msgtype__, fields_of(one)) for one in (message_type, *messages_in(message_type))]
+    structure = hashlib.sha256(repr(parts).encode()).hexdigest()
+    file = CacheFile("dds-types", Path("/", structure), _version())
+    description = file.load()
+    if description is None:
+        description = describe(idl_struct(message_type))
+        file.save(description)
+    return DescribedType.of(description)
+
+
+@cache
+def _version() -> bytes:
+    """Return what changes with this module, or if another version of Cyclone DDS is installed."""
+    compiler = COMPILER.stat()
+    return f"{compiler.st_size} {compiler.st_mtime_ns} ".encode() + Path(__file__).read_bytes()
+
+
+@cached_by_type
+def idl_struct(message_type: type[Message]) -> type[IdlStruct]:
+    """Return the DDS type of a ROS 2 message as a class of the package cyclonedds."""
     return make_idl_struct(*_declaration(message_type))
 
 
@@ -117,4 +143,4 @@ def _field_type(field_type: FieldType) -> Any:
         return _sequence(element) if field_type.bound is None else _sequence((element, field_type.bound))
     if isinstance(field_type, Array):
         return _array((_field_type(field_type.element), field_type.length))
-    return dds_type(field_type)
+    return idl_struct(field_type)

@@ -35,12 +35,13 @@ def publisher(middleware: Middleware, full_name: str, topic: str, clock: Clock) 
     ``clock`` shows the time of the stamps.
     Raises `MiddlewareError` if the package diagnostic_msgs is not installed for rclpy.
     """
-    publish = middleware.publisher(topic, DiagnosticArray, QOS).publish
+    array = middleware.publisher(topic, DiagnosticArray, QOS)
     origin = {"full_name": full_name, "host": gethostname(), "pid": os.getpid(), "instance": uuid4().hex[:8]}
 
     def publish_state(state: State) -> None:
-        # If a queue is full: the next one follows in a second.
-        publish([cdr.encode(array_of(state, clock.now(), origin))])
+        # If nobody listens yet, or a queue is full: the next one follows in a second.
+        if array.has_subscribers():
+            array.publish([cdr.encode(array_of(state, clock.now(), origin))])
 
     return publish_state
 

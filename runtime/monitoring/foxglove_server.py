@@ -14,7 +14,6 @@ from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.net.addresses import openable_host
-from roverlink.runtime.net.websocket_gate import WebSocketGate, hidden_address
 from roverlink.runtime.recording.message_definitions import definition_of
 
 PORT = 8765
@@ -37,6 +36,8 @@ class FoxgloveServer:
         Raises `SetupError` if the port is not available.
         """
         import foxglove  # here: it is an optional package
+
+        from roverlink.runtime.net.websocket_gate import WebSocketGate, hidden_address  # here: slow to import
 
         self._foxglove = foxglove
         self._context = foxglove.Context()

@@ -164,11 +164,12 @@ class Monitor:
 
     def state(self) -> State:
         """Return the state of the bridge when the counters were last read."""
+        # Read once: it adds up the counters of the native core.
         account, first, last = self._bridge.account, self._samples[0], self._samples[-1]
         socket = self._bridge.socket_state()
         recording = self._recording()
-        level, message = self._overall(recording)
-        rows = tuple(self._row(one.route) for _, one in sorted(self._registry.by_number.items()))
+        level, message = self._overall(recording, account)
+        rows = tuple(self._row(one.route, account) for _, one in sorted(self._registry.by_number.items()))
         return State(
             node=self._node,
             fingerprint=self._registry.fingerprint,
@@ -197,7 +198,7 @@ class Monitor:
             links=tuple(self._bridge.link_reports()),
         )
 
-    def _overall(self, recording: Recording | None) -> tuple[Level, str]:
+    def _overall(self, recording: Recording | None, account: Account) -> tuple[Level, str]:
         if recording is not None and recording.failure is not None:
             return Level.ERROR, f"the recording stopped: {recording.failure}"
         first, last = self._samples[0], self._samples[-1]
@@ -212,9 +213,9 @@ class Monitor:
         if lost:
             reasons = ", ".join(f"{reason} {count}" for reason, count in sorted(lost.items()))
             return Level.WARN, f"datagrams or messages lost in the last {WINDOW_S:.0f} s: {reasons}"
-        if standing := "; ".join(filter(None, self._bridge.account.standing.values())):
+        if standing := "; ".join(filter(None, account.standing.values())):
             return Level.WARN, standing
-        if topics := ", ".join(self._bridge.account.qos_mismatches):
+        if topics := ", ".join(account.qos_mismatches):
             return Level.WARN, f"the QoS of other nodes does not match on {topics}; change the QoS of one side"
         return Level.OK, "nothing lost"
 
@@ -224,7 +225,7 @@ class Monitor:
         limits = {peer.name: peer.budget for peer in self._registry.peers if peer.budget}
         return {peer: Budget(limit, used[peer] / span, last.budget_bytes[peer]) for peer, limit in limits.items()}
 
-    def _row(self, route: Route) -> RowState:
+    def _row(self, route: Route, account: Account) -> RowState:
         first, last = self._samples[0], self._samples[-1]
         name, span = route.name, max(last.time - first.time, SAMPLE_S)
         rate = (last.crossed[name] - first.crossed[name]) / span
@@ -232,7 +233,7 @@ class Monitor:
         age = None if seen is None else self._clock() - seen
         dropped = {reason: count for (row, reason), count in sorted(last.dropped.items()) if row == name}
         fresh = {reason: count - first.dropped[name, reason] for reason, count in dropped.items()}
-        mismatches = self._bridge.account.qos_mismatches.get(route.topic, ())
+        mismatches = account.qos_mismatches.get(route.topic, ())
         fresh = {reason: count for reason, count in fresh.items() if count}
         level, message = _assess(route.expect_rate, rate, age, fresh, mismatches)
         stopping = self._last_stop.get(name, -math.inf) > self._last.get(name, -math.inf)

@@ -9,6 +9,8 @@ from roverlink.runtime.core.signing import KEY_BYTES, SigningClock, Stream
 from roverlink.runtime.native.layout import Table
 
 BUCKETS = 16
+RAW = 0x8000_0000
+"""Flag of a record's channel."""
 DESTINATIONS = 64
 """Largest number of destinations of a bridge."""
 
@@ -42,6 +44,24 @@ class Ring(ctypes.Structure):
         ("written", ctypes.c_uint64),
         ("read", ctypes.c_uint64),
     )
+
+
+class Recording(ctypes.Structure):
+    """Records of a ring, and what a file gets of them."""
+
+    _fields_ = (
+        ("records", ctypes.c_char_p),
+        ("size", ctypes.c_size_t),
+        ("channels", ctypes.POINTER(ctypes.c_uint16)),
+        ("log_time", ctypes.c_int64),
+        ("publish_time", ctypes.c_int64),
+    )
+
+
+class Run(ctypes.Structure):
+    """Records of one channel of a file."""
+
+    _fields_ = (*_words("channel", "count"), ("first", ctypes.c_uint64))
 
 
 class Signer(ctypes.Structure):

@@ -61,6 +61,12 @@ def load_library(path: Path) -> ctypes.CDLL:
     library.rl_check.argtypes = (table,)
     library.rl_check_bridge.argtypes = library.rl_receive.argtypes = (ctypes.POINTER(bridge_layout.Bridge),)
     library.rl_serve.argtypes = (ctypes.POINTER(bridge_layout.Server),)
+    recording, runs = ctypes.POINTER(bridge_layout.Recording), ctypes.POINTER(bridge_layout.Run)
+    library.rl_newest_records.argtypes = (ctypes.c_char_p, size, ctypes.POINTER(ctypes.c_uint64))
+    library.rl_newest_records.restype = None
+    library.rl_count_records.argtypes = (recording, runs)
+    library.rl_record.argtypes = (recording, runs, ctypes.c_uint32, ctypes.c_uint64, pointer, pointer)
+    library.rl_record.restype = library.rl_take_records.restype = size
     library.rl_to_cdr.argtypes = (*message, ctypes.c_int32, ctypes.c_uint32, *result)
     library.rl_to_proto.argtypes = (*message, *result)
     return library
@@ -95,8 +101,7 @@ class NativeCore:
             ) from error
         if library.rl_check(ctypes.byref(self.table)):
             raise NoCoreError("the native library refuses the table; report this as a bug of roverlink")
-        self.workspace = self.new_workspace()
-        weakref.finalize(self, library.rl_workspace_free, self.workspace)
+        self.workspace = self.new_workspace(self)
         self._out = ctypes.create_string_buffer(_LARGEST)
 
     def _made(self, registry: Registry, translations: Mapping[str, Any]) -> native.Table:
@@ -158,11 +163,16 @@ class NativeCore:
             self.unsupported[handler.route.topic] = reason
         return made
 
-    def new_workspace(self) -> ctypes.c_void_p:
-        """Return memory for another thread; it is never freed. Raises `NoCoreError` if there is not enough."""
+    def new_workspace(self, owner: object) -> ctypes.c_void_p:
+        """Return memory for another thread, which is freed when nothing refers to ``owner`` any more.
+
+        Raises `NoCoreError` if there is not enough.
+        """
         workspace = ctypes.c_void_p(self.library.rl_workspace_new(_WORKSPACE))
         if not workspace:
             raise NoCoreError("there is not enough memory for the native core")
+        # Not when the program ends: a thread that hangs may still use it.
+        weakref.finalize(owner, self.library.rl_workspace_free, workspace).atexit = False
         return workspace
 
     def index_of(self, handler: AnyHandler | AnyStandardHandler) -> int:

@@ -137,7 +137,7 @@ class DatagramLoop:
         self._python.ring = ObserverRing(core, taps, "observe-datagrams") if any(taps.values()) else None
         self._bridge = native.Bridge(
             table=ctypes.pointer(core.table),
-            workspace=core.new_workspace(),
+            workspace=core.new_workspace(self),
             topics=self._topic_structs,
             rows=self._row_structs,
             destinations=self._destination_structs,
@@ -225,8 +225,7 @@ class DatagramLoop:
         if with_sender is None:
             handle(_bytes(datagrams, count))
             return
-        # Without a sender, a datagram was read before the senders were checked: the next one comes with its sender.
-        found = [datagrams[index] for index in range(count) if datagrams[index].sender]
+        found = [datagrams[index] for index in range(count)]
         handle([with_sender(native.bytes_of(one), _sender(one)) for one in found])
 
     def __enter__(self) -> DatagramLoop:

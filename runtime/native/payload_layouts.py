@@ -43,7 +43,7 @@ class PayloadLayouts:
         name = descriptor.full_name
         if name in self._index:
             return self._index[name]
-        if descriptor.GetOptions().message_set_wire_format:
+        if descriptor.has_options and descriptor.GetOptions().message_set_wire_format:
             raise UnsupportedError(f"{name} has message_set_wire_format")
         before = len(self.fields), len(self.layouts), len(self.words)
         self._open[name] = []

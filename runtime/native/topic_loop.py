@@ -40,7 +40,7 @@ class TopicLoop:
     def __init__(self, core: NativeCore, reading: native.Reading) -> None:
         """Take messages with the functions ``reading`` of the middleware."""
         self._core, self._reading = core, reading
-        self._workspace = core.new_workspace()
+        self._workspace = core.new_workspace(self)
         self._topics: Sequence[Topic] = ()
         self._python = PythonCalls()
         guarded = self._python.guarded

@@ -1,8 +1,8 @@
 """Writer of one MCAP file (mcap.dev/spec), the file format of recordings.
 
 The mcap package's writer needs 7 us of Python for each message, and the bridge waits for the interpreter lock
-meanwhile. This writer needs 1 us, because it packs the messages of a chunk in one loop. The mcap package writes all
-other records.
+meanwhile. This writer needs 1 us, because it packs the messages of a chunk in one loop. Those of the native core come
+in blocks, which the core packs itself. The mcap package writes all other records.
 
 A file on disk consists of complete records; only if the program is killed during a write, the last record may be
 incomplete. `flush` ends a chunk and waits until the disk has stored it. `finish` writes the summary, which readers need
@@ -18,6 +18,7 @@ import errno
 import os
 import struct
 import zlib
+from array import array
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -30,6 +31,8 @@ from mcap import records
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
+
+from roverlink.runtime.core.tap import Block
 
 # A file, from its beginning to its end (MCAP specification, File Structure):
 #
@@ -109,8 +112,9 @@ class _Chunk:
     """Messages of an MCAP chunk that are not on disk yet."""
 
     def __init__(self) -> None:
-        self.parts: list[bytes] = []
-        self.index: defaultdict[int, list[int]] = defaultdict(list)  # by channel: time, offset, time, offset...
+        self.parts: list[bytes | bytearray] = []
+        # by channel: time, offset, time, offset...
+        self.index: defaultdict[int, array[int]] = defaultdict(lambda: array("Q"))
         self.size = 0
 
     def add(self, entries: Iterable[Entry]) -> None:
@@ -119,9 +123,16 @@ class _Chunk:
             length = len(data)
             parts.append(pack(Opcode.MESSAGE, _MESSAGE_REST + length, channel, 0, time, wall))
             parts.append(data)
-            index[channel] += time, size
+            index[channel].extend((time, size))
             size += _MESSAGE.size + length
         self.size = size
+
+    def add_block(self, block: Block, log_time: int, publish_time: int) -> None:
+        records, columns = block.records(log_time, publish_time, self.size)
+        self.parts.append(records)
+        for channel, column in columns:
+            self.index[channel].extend(column)
+        self.size += len(records)
 
     def span(self) -> tuple[int, int]:
         """Return the earliest and the latest time of the chunk's messages, in nanoseconds since 1970."""
@@ -189,6 +200,14 @@ class McapFile:
     def add(self, entries: Iterable[Entry]) -> None:
         """Add messages to the chunk, and write the chunk if it is large enough. Raises `OSError`."""
         self._chunk.add(entries)
+        self._write_large_chunk()
+
+    def add_block(self, block: Block, log_time: int, publish_time: int) -> None:
+        """Add messages from the native core; the times are those of `Block.records`. Raises `OSError`."""
+        self._chunk.add_block(block, log_time, publish_time)
+        self._write_large_chunk()
+
+    def _write_large_chunk(self) -> None:
         if self._chunk.size >= CHUNK_BYTES:
             self._write_chunk()
 
@@ -365,7 +384,7 @@ class McapFile:
         )
 
 
-def _message_index(channel: int, column: list[int]) -> bytes:
+def _message_index(channel: int, column: array[int]) -> bytes:
     """Return the Message Index record of one channel in a chunk; ``column`` holds time and offset of each message."""
     # An array of pairs (time, offset), 16 bytes each. An offset counts from the start of the uncompressed chunk.
     size = 8 * len(column)

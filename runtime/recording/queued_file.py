@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import threading
 from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from roverlink.runtime.core.tap import Tap
+from roverlink.runtime.core.tap import Block, Tap
 from roverlink.runtime.recording import file_names
 from roverlink.runtime.recording.clocks import ClockJump, RunClock
 from roverlink.runtime.recording.mcap_file import CLOCK_JUMP, Channel, Entry, McapFile
@@ -29,11 +31,34 @@ class Settings:
     """Number of messages that may wait for each file."""
 
 
+class _WaitingBlock(NamedTuple):
+    block: Block
+    publish_time: int
+    """Nanoseconds to add to the monotonic clock, for what the computer's clock showed."""
+
+
+class _ChannelTap:
+    """Function that the bridge's threads call with the messages of a channel."""
+
+    def __init__(self, file: QueuedFile, channel: int, clock: RunClock) -> None:
+        self.file, self.channel = file, channel
+        self._waiting, self._start, (self._monotonic, self._wall) = file.waiting, clock.start, clock.clocks
+
+    def __call__(self, messages: Sequence[bytes], arrived: Sequence[int] = ()) -> None:
+        # Checked once for each batch, so the queue may exceed the limit by one batch.
+        if self.file.is_full:
+            self.file.lost[self.channel] += len(messages)
+            return
+        now, shown = self._monotonic(), self._wall()
+        for message, at in zip(messages, arrived or (now,) * len(messages)):
+            self._waiting.append((self._start + at, shown + at - now, self.channel, message))
+
+
 class QueuedFile:
     """One of the two files of a recording, split into parts if it is large, with a queue of messages that wait.
 
-    The bridge's threads append messages to the queue, and the recorder's thread takes them from it. No lock is needed,
-    because the operations of `deque` are safe in several threads.
+    The bridge's threads append messages to the queue, and the recorder's thread takes them from it. No lock is needed
+    for that, because the operations of `deque` are safe in several threads.
     """
 
     def __init__(
@@ -54,8 +79,10 @@ class QueuedFile:
         self._clock = clock
         self._jumps: list[ClockJump] = []
         self.limit = settings.queue
-        self.waiting: deque[Entry] = deque()
-        self.lost: Counter[int] = Counter()  # by channel, each written by one thread; 0 counts `give_up`
+        self.waiting: deque[Entry | _WaitingBlock] = deque()
+        self._in_blocks = 0  # messages of blocks that wait, less one for each block
+        self._blocks_lock = threading.Lock()
+        self.lost: Counter[int] = Counter()  # by channel, each written by one thread; 0 counts `give_up`, -1 blocks
         self.channels: list[Channel] = []
         self._declared = 0
         self._parts = 0
@@ -68,22 +95,27 @@ class QueuedFile:
         """Add a channel, and return the function that the bridge's threads call with the messages of the channel."""
         channel = Channel(len(self.channels) + 1, topic, encoding, **schema)
         self.channels.append(channel)
-        number, waiting, start, monotonic, wall = channel.id, self.waiting, self._clock.start, *self._clock.clocks
+        return _ChannelTap(self, channel.id, self._clock)
 
-        def tap(messages: Sequence[bytes], arrived: Sequence[int] = ()) -> None:
-            # Checked once for each batch, so the queue may exceed the limit by one batch.
-            if len(waiting) >= self.limit:
-                self.lost[number] += len(messages)
-                return
-            now, shown = monotonic(), wall()
-            if arrived:
-                for message, at in zip(messages, arrived):
-                    waiting.append((start + at, shown + at - now, number, message))
-                return
-            for message in messages:
-                waiting.append((start + now, shown, number, message))
+    @property
+    def is_full(self) -> bool:
+        """True if so many messages wait that the next ones are lost."""
+        return self.waiting_messages >= self.limit
 
-        return tap
+    @property
+    def waiting_messages(self) -> int:
+        """Number of messages that wait to be written."""
+        return len(self.waiting) + self._in_blocks
+
+    def put(self, block: Block) -> None:
+        """Append messages from the native core to the queue."""
+        monotonic, wall = self._clock.clocks
+        with self._blocks_lock:
+            if self.is_full:
+                self.lost[-1] += block.count
+                return
+            self._in_blocks += block.count - 1
+            self.waiting.append(_WaitingBlock(block, wall() - monotonic()))
 
     def take(self) -> None:
         """Write the waiting messages to the file. If the file is then large enough, begin the next part."""
@@ -95,13 +127,26 @@ class QueuedFile:
         while self._declared < len(self.channels):
             self.file.add_channel(self.channels[self._declared])
             self._declared += 1
-        entries = [self.waiting.popleft() for _ in range(count)]
-        self.file.add(entries if self._sort is None else map(self._sort, entries))
+        taken = [self._next_waiting() for _ in range(count)]
+        for is_block, run in groupby(taken, lambda entry: isinstance(entry, _WaitingBlock)):
+            entries = [*run]
+            if is_block:
+                for block, publish_time in entries:
+                    self.file.add_block(block, self._clock.start, publish_time)
+            else:
+                self.file.add(entries if self._sort is None else map(self._sort, entries))
         if self._settings.rotate_bytes is not None and self.file.size >= self._settings.rotate_bytes:
             self.finish()
             ended = self.file.size
             self.file, self._ended = self._next_file(), False
             self._bytes_before += ended
+
+    def _next_waiting(self) -> Any:
+        entry = self.waiting.popleft()
+        if isinstance(entry, _WaitingBlock):
+            with self._blocks_lock:
+                self._in_blocks -= entry.block.count - 1
+        return entry
 
     def jumped(self, jump: ClockJump) -> None:
         """Write down that the computer's clock was set; later parts of the recording say it, too. Raises `OSError`."""
@@ -118,8 +163,8 @@ class QueuedFile:
         """Close the file after an error, such as a full disk. The waiting messages are lost, and later ones too."""
         self.limit = 0  # from now on every message is dropped and counted
         while self.waiting:  # one by one: another thread may still be adding the batch that it has begun
-            self.waiting.popleft()
-            self.lost[0] += 1
+            entry = self._next_waiting()
+            self.lost[0] += entry.block.count if isinstance(entry, _WaitingBlock) else 1
         if not self._ended:
             self.lost[0] += self.file.finish_anyway()
             self._end()
@@ -128,7 +173,7 @@ class QueuedFile:
     def lost_messages(self) -> int:
         """Number of messages that came and are not in the file."""
         # A batch that another thread had begun to add when the file was given up stays in the queue.
-        return self.lost.total() + (0 if self.limit else len(self.waiting))
+        return self.lost.total() + (0 if self.limit else self.waiting_messages)
 
     def delete(self) -> None:
         """Close the current part and delete it."""

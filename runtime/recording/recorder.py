@@ -136,7 +136,7 @@ class Recorder:
     @property
     def waiting(self) -> int:
         """Number of messages that wait to be written."""
-        return sum(len(queued.waiting) for queued in self._files)
+        return sum(queued.waiting_messages for queued in self._files)
 
     @property
     def bytes(self) -> int:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from repositories import RepositoryBuilder, envelope
 
-from roverlink.generator import user_cache
+from roverlink import user_cache
 from roverlink.generator.lint.history import History, blob_cache, proto_history, read_history
 
 _FILE = "envelope.proto"

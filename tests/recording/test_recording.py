@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import dataclasses
 import os
 import resource
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -22,6 +24,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
 from mcap.records import Chunk
 from mcap.stream_reader import StreamReader
+from needs import needs_native
 from polling import wait_until
 from runs import ROWS, record_everything, recorder
 
@@ -29,6 +32,9 @@ from generated.registry import REGISTRY
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.core import cdr
+from roverlink.runtime.native.bridge_layout import RAW
+from roverlink.runtime.native.core import LIBRARY, load_library
+from roverlink.runtime.native.observer_ring import RingBlock
 from roverlink.runtime.recording.mcap_file import MAGIC, Channel, McapFile
 from roverlink.runtime.recording.reader import Recording
 from roverlink.runtime.text.values import message_to_values
@@ -117,6 +123,29 @@ def test_a_datagram_that_is_no_plain_protobuf_is_kept_as_it_came(tmp_path: Path)
         received([plain, *odd, plain])
     assert (writing.path.parent, writing.path.name[:2], writing.path.suffix) == (tmp_path, "20", ".mcap")
     assert _read(writing.path) == {"/datagrams/received": [plain] * 2, "/datagrams/received/raw": odd}
+
+
+@needs_native
+def test_the_native_core_gives_the_same_bytes(tmp_path: Path) -> None:
+    """A block of its records, between messages of Python, makes the same file as messages of Python alone."""
+    channels = (ctypes.c_uint16 * 4)(3, 0, 5, 8)  # 0: not for this file
+    made = [(at * at % 4, at % 3 == 0, at, os.urandom(at % 90)) for at in range(1000)]
+    ring = b"".join(
+        struct.pack("=IIq", len(data), channel | is_raw * RAW, at) + data + bytes(-len(data) % 8)
+        for channel, is_raw, at, data in made
+    )
+    entries = [
+        (50 + at, 70 + at, channels[channel] + is_raw, data) for channel, is_raw, at, data in made if channels[channel]
+    ]
+    block = RingBlock(load_library(LIBRARY), ring, channels)
+    files = [McapFile(tmp_path / name, "", "zstd", {}) for name in ("block", "messages")]
+    for file, between in zip(files, (lambda: files[0].add_block(block, 50, 70), lambda: files[1].add(entries))):
+        file.add(entries[:9])
+        between()
+        file.add(entries[9:])
+        file.finish()
+    assert block.count == len(entries)
+    assert files[0].path.read_bytes() == files[1].path.read_bytes()
 
 
 def test_it_rotates_by_size(tmp_path: Path) -> None:

@@ -35,6 +35,7 @@ from roverlink.runtime.bridge.handling_times import Handle
 from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.envelope import restore
+from roverlink.runtime.core.errors import Reason
 from roverlink.runtime.core.handler import UNSTAMPED, SendLimits
 from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.core.signing import TICKS_PER_SECOND, Key, Signer, SigningClock
@@ -327,6 +328,26 @@ def test_both_ways_do_the_same(middleware: str, case: _Case, tmp_path: Path) -> 
         del counted["qos_mismatches"]  # of the moment
         assert bool(counted["withheld"]) == case.paced
     assert found[0] == found[1]
+
+
+def test_of_a_burst_the_newest_message_passes(middleware: str) -> None:
+    """On both ways, if a row has a limit: the datagrams wait in the socket before the bridge runs."""
+    registry, found = _registry(_Case(paced=True)), []
+    for native in (False, True):
+        observer = _Observer()
+        node = TappedMiddleware(open_middleware(middleware, NodeIdentity("bridge")), observer)
+        settings = parameters.read(registry, {"listen_port": 0, "listen_address": "127.0.0.1", "native_core": native})
+        bridge = Bridge(registry, settings, node, lambda topic: f"/{topic}", _LOGGER)
+        with socket.socket(type=socket.SOCK_DGRAM) as board:
+            for pressure in _PRESSURES[:4]:
+                board.sendto(pressure, ("127.0.0.1", bridge.port))
+        with bridge:
+            wait_until(lambda bridge=bridge: bridge.account.received == 4, "the burst")  # type: ignore[misc]
+            bridge.stop()
+            bridge.run()
+        found.append((dict(observer.seen), bridge.account.dropped))
+    assert found[0] == found[1]
+    assert found[0][1] == {Reason.SUPERSEDED.value: 3}
 
 
 def test_what_two_threads_sign_for_a_peer_arrives_in_the_order_of_its_timestamps(

@@ -45,7 +45,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
 from roverlink.runtime.middleware.cyclone import RawReader, RawWriter
-from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
+from roverlink.runtime.middleware.dds_types import dds_qos, idl_struct
 
 _SAMPLE = ImuSensorInformation(
     *[number / 4 for number in range(1, 10)], is_calibrated=True, state=SensorState(3), error_code=8
@@ -416,7 +416,7 @@ def live() -> LiveParameters:
 @cache
 def _type_with_header(message_type: Any) -> Any:
     """Cyclone DDS checks what its Python package writes, so the DDS type has the fields of the header too."""
-    plain = dds_type(message_type)
+    plain = idl_struct(message_type)
     own = {"client": types.uint64, "number": types.int64, **get_type_hints(plain, include_extras=True)}
     return make_idl_struct(plain.__name__, plain.__idl_typename__, own)
 

@@ -6,8 +6,11 @@ import ctypes
 import re
 import runpy
 import shutil
+import struct
 import subprocess
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 from needs import needs_native
@@ -16,6 +19,7 @@ from generated.registry import REGISTRY
 from roverlink.runtime.bridge.pacing import Pacer
 from roverlink.runtime.core.signing import SigningClock, Stream
 from roverlink.runtime.native import bridge_layout, core, layout
+from roverlink.runtime.native.observer_ring import ObserverRing
 from roverlink.runtime.native.operations import PRIMITIVES
 from roverlink.runtime.net.sources import Source
 
@@ -90,7 +94,7 @@ def test_structs_have_the_members_of_the_headers_at_the_same_places(tmp_path: Pa
         if isinstance(struct, type(ctypes.Structure)) and struct.__module__ == module.__name__
     }
     structs |= {"rl_clock": SigningClock, "rl_stream": Stream, "rl_bucket": Source, "rl_pacer": Pacer}
-    assert len(structs) == 24
+    assert len(structs) == 26
     members = [(struct, name) for struct, made in structs.items() for name, *_ in made._fields_]
     lines = [f"PLACE({struct}, {_MEMBERS.get(struct, {}).get(name, name)});" for struct, name in members]
     lines += [f'std::printf("%zu\\n", sizeof({struct}));' for struct in structs]
@@ -147,3 +151,26 @@ def test_there_is_one_reason_why_there_is_no_core(monkeypatch: pytest.MonkeyPatc
         core.NoCoreError, match=r"translations.json is not that of the table .*run `roverlink generate`"
     ):
         core.NativeCore(REGISTRY, {"messages": {}}, ctypes.CDLL(None))
+
+
+@needs_native
+def test_observers_get_what_they_want_of_a_ring() -> None:
+    """All messages of their channels in order, or the newest alone."""
+    messages = [(number % 3, bytes([number]) * number) for number in range(20)]
+    records = b"".join(
+        struct.pack("=IIq", len(data), channel, len(data)) + data + bytes(-len(data) % 8) for channel, data in messages
+    )
+    seen: dict[str, list[Any]] = {"all": [], "newest": [], "nothing": []}
+
+    def tap(name: str, **marks: bool) -> Any:
+        take = partial(lambda given, times: seen[name].extend(zip(given, times)))
+        vars(take).update(marks)
+        return take
+
+    taps = {0: [tap("all")], 1: [tap("newest", newest_is_enough=True)], 4: [tap("nothing", newest_is_enough=True)]}
+    ring = ObserverRing(core.open_core(REGISTRY), taps, "ring")
+    ctypes.memmove(ring.struct.memory, records, len(records))
+    ring.struct.written = len(records)
+    ring.empty()
+    assert seen["all"] == [(data, len(data)) for channel, data in messages if channel == 0]
+    assert (seen["newest"], seen["nothing"]) == ([(bytes([19]) * 19, 19)], [])

@@ -17,7 +17,7 @@ from pathlib import Path
 from roverlink.generator.lint.history.numbered_types import NumberedType, NumberedTypes, Pool
 from roverlink.generator.protos import parser, schema
 from roverlink.generator.protos.schema import Fact
-from roverlink.generator.user_cache import CacheFile
+from roverlink.user_cache import CacheFile
 
 
 class BlobCache:

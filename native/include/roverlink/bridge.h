@@ -27,9 +27,12 @@ extern "C" {
 typedef struct rl_datagram {
   const uint8_t *data;
   size_t size;
-  const void *sender; /* struct sockaddr, if senders are checked */
+  const void *sender; /* struct sockaddr; null for a datagram that did not come from the socket */
   size_t sender_size;
 } rl_datagram;
+
+#define RL_RAW 0x80000000u /* flag of a record's channel: a datagram that is no envelope without its missing zeros, or
+                               because of zeros behind it */
 
 /* Copies of messages and datagrams for observers such as a recorder, as records: the number of bytes and the channel (two
  * uint32_t), the time in nanoseconds of the monotonic clock (int64_t), and the bytes, filled up to a multiple of eight.
@@ -43,6 +46,32 @@ typedef struct rl_ring {
 
 /* Copy all records to `out`, which has the room of the ring, and remove them. Returns the number of bytes. */
 RL_API size_t rl_take_records(rl_ring *, uint8_t *out);
+
+/* Set the member of each channel of which there are records: the place of the newest one, plus 1. */
+RL_API void rl_newest_records(const uint8_t *records, size_t size, uint64_t *places);
+
+/* Records that `rl_take_records` gave, and what a file in the format MCAP gets of them. */
+typedef struct rl_recording {
+  const uint8_t *records;
+  size_t size;              /* bytes of the records */
+  const uint16_t *channels; /* by the channel of a record: the channel in the file, or 0 for none. What has RL_RAW goes
+                               to the channel behind it. */
+  int64_t log_time, publish_time; /* what to add to the time of a record, in nanoseconds */
+} rl_recording;
+
+/* Records of one channel of the file. */
+typedef struct rl_run {
+  uint32_t channel, count;
+  uint64_t first; /* index of the first one, when they are sorted by channel; 0 for `rl_record` */
+} rl_run;
+
+/* Fill `runs`, in the order of the first record of each; there is room for all channels. Returns their number. */
+RL_API uint32_t rl_count_records(const rl_recording *, rl_run *runs);
+
+/* Write the records as Message records to `out`, which has twice their room. Fill `index` with two numbers for each, sorted
+ * by channel as `runs`: its time, and its place, the first one at `offset`. Returns the number of bytes. */
+RL_API size_t rl_record(const rl_recording *, rl_run *runs, uint32_t n_runs, uint64_t offset, uint8_t *out,
+                        uint64_t *index);
 
 /* Lock between threads of Python and of the core. No thread of the core calls Python while it has one. */
 typedef struct rl_lock {
