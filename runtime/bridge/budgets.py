@@ -24,9 +24,7 @@ from roverlink.runtime.net.outbox import Outbox, Undelivered, number_of, priorit
 
 _HEADERS = {2: 28, 4: 48}
 """Bytes of the IP and UDP headers, by the length of a socket's address: IPv4 and IPv6."""
-
-
-_ROUND_S = 0.002
+_DRAIN_S, _ROUND_S = 1.0, 0.002
 
 
 class _Letter(NamedTuple):
@@ -78,7 +76,8 @@ class BudgetedPeer:
 
     def end(self) -> None:
         """Send what waits until it is too old, for half a second at most. Call it when nothing is put any more."""
-        while self._due < math.inf:
+        deadline = time.monotonic() + _DRAIN_S  # a thread that hangs may hold the lock
+        while self._due < math.inf and time.monotonic() < deadline:
             time.sleep(_ROUND_S)
             self._send_due()
 
