@@ -93,16 +93,19 @@ class BudgetedPeer:
             if not self._lock.acquire(blocking=False):
                 return
             try:
-                now = time.monotonic()
-                while self._given:
-                    letter = self._given.popleft()
-                    self._outbox.put(letter, now, letter.size)
-                while (due := self._outbox.take(now)) is not None:
+                while (due := self._next(time.monotonic())) is not None:
                     due.send([due.datagram])
                 self._due = self._outbox.next_due
                 self._account.budget_bytes[self._peer.name] = self._outbox.sent_bytes
             finally:
                 self._lock.release()
+
+    def _next(self, now: float) -> _Letter | None:
+        # What was given meanwhile comes first into the outbox, which decides what goes next.
+        while self._given:
+            letter = self._given.popleft()
+            self._outbox.put(letter, now, letter.size)
+        return self._outbox.take(now)
 
     def _discard(self, letter: _Letter, why: Undelivered) -> None:
         self.undelivered[letter.end.peer, letter.end.board, why.value] += 1
