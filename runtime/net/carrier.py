@@ -97,14 +97,12 @@ class Carrier:
         program: socket.socket,
         report: Report = lambda _: None,
         outbox: Outbox | None = None,
-        seal: Callable[[bytes], bytes] = lambda datagram: datagram,
     ) -> None:
         """Carry between ``transport`` and the bound UDP socket of the program.
 
-        ``report`` gets each change of the connection. ``outbox`` decides which datagram goes next. ``seal`` returns
-        what to send for a datagram at the moment when it is sent, such as the signed datagram.
+        ``report`` gets each change of the connection. ``outbox`` decides which datagram goes next.
         """
-        self._transport, self._report, self._seal = transport, report, seal
+        self._transport, self._report = transport, report
         self._outbox = outbox or Outbox()
         self._program = _reachable(program)
         self._socket = udp.bind(_LOOPBACK[program.family], 0, _BUFFER)
@@ -205,12 +203,11 @@ class Carrier:
             connection = self._connection
             if connection is None or self._broken is not None:
                 raise ConnectionError(self.why)
-            sealed = self._seal(datagram)
-            if len(sealed) > self._transport.largest:
+            if len(datagram) > self._transport.largest:
                 self._outbox.undelivered[Undelivered.TOO_LARGE.value] += 1
                 return
             try:
-                connection.send(sealed)
+                connection.send(datagram)
             except NotTakenError:
                 self._outbox.undelivered[Undelivered.NOT_TAKEN.value] += 1
             except OSError as error:
