@@ -15,6 +15,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from itertools import islice
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net import udp
@@ -24,6 +25,7 @@ from roverlink.runtime.net.transports import Connection, NotTakenError, Transpor
 from roverlink.transport_addresses import names_transport
 
 _BUFFER = 1024 * 1024  # bytes that the program may send while the line is busy
+_MOST_BATCHES = 16
 _WAIT_S = 0.2
 """Longest wait in seconds for datagrams of the end, after which the thread looks whether it has to end."""
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.1, 2.0
@@ -68,7 +70,8 @@ class Outgoing:
                 wait = self._outbox.next_due - time.monotonic()
                 poll.poll(None if wait == math.inf else max(0, math.ceil(wait * 1000)))
                 self._send_due()
-            self._take_in(time.monotonic())
+            with contextlib.suppress(OSError):  # the line has hung for so long that the socket is closed
+                self._take_in(time.monotonic())
             self._outbox.discard()
 
     def _send_due(self) -> None:
@@ -83,7 +86,8 @@ class Outgoing:
                 self._outbox.undelivered[Undelivered.NOT_CONNECTED.value] += 1
 
     def _take_in(self, now: float) -> None:
-        while datagrams := self._read():
+        # A flood must not keep the thread from sending.
+        for datagrams in islice(iter(self._read, []), _MOST_BATCHES):
             for datagram in datagrams:
                 self._outbox.put(datagram, now)
 
