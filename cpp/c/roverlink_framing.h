@@ -17,7 +17,7 @@ extern "C" {
 /* Bytes of the CRC behind a datagram. */
 #define ROVERLINK_FRAME_CHECK 2
 
-/* Largest size of the frame of a datagram of `length` bytes: COBS adds a byte for each 254 bytes that it began. */
+/* Largest size of the frame of a datagram of `length` bytes: COBS adds a byte for each 254 bytes or less. */
 #define ROVERLINK_FRAME_SIZE(length) \
   ((length) + ROVERLINK_FRAME_CHECK + ((length) + ROVERLINK_FRAME_CHECK + 253) / 254 + 1)
 

@@ -11,7 +11,7 @@ from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.node_parameters import node_parameters
 from roverlink.generator.table import LEARN, EndSettings, Row
 from roverlink.suggestions import nearest
-from roverlink.transport_addresses import names_transport
+from roverlink.transport_addresses import can_id, names_transport, transport_address
 
 
 class UnknownPeer(LintRule, id="TAB103"):
@@ -201,31 +201,40 @@ class AddressTaken(LintRule, id="TAB114"):
     @classmethod
     def check(cls, context: Context) -> Iterator[Diagnostic]:
         """Yield a diagnostic for each peer or board whose address and port an earlier one has."""
-        seen: dict[tuple[str, int], tuple[str, EndSettings]] = {}
+        seen: dict[str, tuple[str, EndSettings]] = {}
         for peer in context.table.peers:
             for settings, end in peer.ends:
                 name = f"{end.name} of {peer.name}" if peer.boards else peer.name
                 for host in settings.hosts or ("",):
                     if host == LEARN:
                         continue
-                    is_line = names_transport(host)
-                    where = f"port {end.port} of {host or 'the host in the parameter dst_ip'}"
-                    where = f"the line {host}" if is_line else where
-                    first, place = seen.setdefault((_canonical(host), 0 if is_line else end.port), (name, settings))
-                    if place is not settings:
-                        message = f"{name!r} and {first!r} both have {where}"
-                        key = "port" if "port" in settings.spans else "host"
-                        also = [(place.at(key), f"the address of {first!r}")]
-                        yield cls.at(settings.at(key), message, "give each of them its own `host` or `port`", also)
+                    for claim, where in _claims(host, end.port):
+                        first, place = seen.setdefault(claim, (name, settings))
+                        if place is not settings:
+                            message = f"{name!r} and {first!r} both have {where}"
+                            key = "port" if "port" in settings.spans else "host"
+                            also = [(place.at(key), f"the address of {first!r}")]
+                            yield cls.at(settings.at(key), message, "give each of them its own `host` or `port`", also)
+
+
+def _claims(host: str, port: int) -> Iterator[tuple[str, str]]:
+    """Yield what a host takes for one end alone, in one spelling, and as text for the user.
+
+    Lines differ by their places and not by their settings. Only a CAN bus has room for many ends.
+    """
+    if not names_transport(host):
+        yield f"{_canonical(host)} {port}", f"port {port} of {host or 'the host in the parameter dst_ip'}"
+        return
+    kind, place, options = transport_address(host)
+    if kind == "can":
+        for option in ("send", "receive"):
+            yield f"{place} {can_id(options[option])}", f"the identifier {options[option]} on {place}"
+    else:
+        yield f"{kind}:{place}", f"the line {host}"
 
 
 def _canonical(host: str) -> str:
-    """Return one spelling for each host: names have no capitals, and IPv6 has many spellings of one address.
-
-    Lines differ by what they are and not by their settings, but one CAN bus has many pairs of ids.
-    """
-    if names_transport(host):
-        return host if host.startswith("can:") else host.partition("?")[0]
+    """Return one spelling for each host: names have no capitals, and IPv6 has many spellings of one address."""
     try:
         return str(ip_address(host))
     except ValueError:

@@ -56,7 +56,9 @@ def opened_bus(kind: str, place: str, receive: CanId, fd: bool, bitrate: int | N
         return can.Bus(channel=place, interface=kind, can_filters=[mine], **given)
     # Adapters raise more than errors of CAN, such as ImportError for the library of their vendor.
     except Exception as error:
-        raise OSError(f"{place}: {getattr(error, 'strerror', None) or error}") from error
+        has_none = isinstance(error, OSError) and error.errno == errno.EAFNOSUPPORT
+        why = "the kernel of this computer has no CAN" if has_none else getattr(error, "strerror", None) or error
+        raise OSError(f"{place}: {why}") from error
 
 
 class BusConnection:
@@ -91,7 +93,11 @@ class BusConnection:
             _POLL_S,
         )
         self._layer.logger.disabled = True  # it has a line for each damage, and we count them
-        self._layer.start()
+        try:
+            self._layer.start()
+        except RuntimeError as error:  # its threads have half a second to start, which is short on a busy computer
+            self.close()
+            raise OSError(str(error)) from error
 
     def receive(self, timeout: float) -> list[bytes]:
         """Return the datagrams that have arrived; wait at most ``timeout`` seconds for one."""
