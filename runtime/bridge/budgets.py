@@ -24,9 +24,7 @@ from roverlink.runtime.net.outbox import Outbox, Undelivered, number_of, priorit
 
 _HEADERS = {2: 28, 4: 48}
 """Bytes of the IP and UDP headers, by the length of a socket's address: IPv4 and IPv6."""
-
-
-_ROUND_S = 0.002
+_DRAIN_S, _ROUND_S = 1.0, 0.002
 
 
 class _Letter(NamedTuple):
@@ -78,7 +76,8 @@ class BudgetedPeer:
 
     def end(self) -> None:
         """Send what waits until it is too old, for half a second at most. Call it when nothing is put any more."""
-        while self._due < math.inf:
+        deadline = time.monotonic() + _DRAIN_S  # a thread that hangs may hold the lock
+        while self._due < math.inf and time.monotonic() < deadline:
             time.sleep(_ROUND_S)
             self._send_due()
 
@@ -94,16 +93,19 @@ class BudgetedPeer:
             if not self._lock.acquire(blocking=False):
                 return
             try:
-                now = time.monotonic()
-                while self._given:
-                    letter = self._given.popleft()
-                    self._outbox.put(letter, now, letter.size)
-                while (due := self._outbox.take(now)) is not None:
+                while (due := self._next(time.monotonic())) is not None:
                     due.send([due.datagram])
                 self._due = self._outbox.next_due
                 self._account.budget_bytes[self._peer.name] = self._outbox.sent_bytes
             finally:
                 self._lock.release()
+
+    def _next(self, now: float) -> _Letter | None:
+        # What was given meanwhile comes first into the outbox, which decides what goes next.
+        while self._given:
+            letter = self._given.popleft()
+            self._outbox.put(letter, now, letter.size)
+        return self._outbox.take(now)
 
     def _discard(self, letter: _Letter, why: Undelivered) -> None:
         self.undelivered[letter.end.peer, letter.end.board, why.value] += 1

@@ -15,6 +15,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from itertools import islice
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net import udp
@@ -24,6 +25,7 @@ from roverlink.runtime.net.transports import Connection, NotTakenError, Transpor
 from roverlink.transport_addresses import names_transport
 
 _BUFFER = 1024 * 1024  # bytes that the program may send while the line is busy
+_MOST_BATCHES = 16
 _WAIT_S = 0.2
 """Longest wait in seconds for datagrams of the end, after which the thread looks whether it has to end."""
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.1, 2.0
@@ -68,7 +70,8 @@ class Outgoing:
                 wait = self._outbox.next_due - time.monotonic()
                 poll.poll(None if wait == math.inf else max(0, math.ceil(wait * 1000)))
                 self._send_due()
-            self._take_in(time.monotonic())
+            with contextlib.suppress(OSError):  # the line has hung for so long that the socket is closed
+                self._take_in(time.monotonic())
             self._outbox.discard()
 
     def _send_due(self) -> None:
@@ -83,7 +86,8 @@ class Outgoing:
                 self._outbox.undelivered[Undelivered.NOT_CONNECTED.value] += 1
 
     def _take_in(self, now: float) -> None:
-        while datagrams := self._read():
+        # A flood must not keep the thread from sending.
+        for datagrams in islice(iter(self._read, []), _MOST_BATCHES):
             for datagram in datagrams:
                 self._outbox.put(datagram, now)
 
@@ -97,14 +101,12 @@ class Carrier:
         program: socket.socket,
         report: Report = lambda _: None,
         outbox: Outbox[bytes] | None = None,
-        seal: Callable[[bytes], bytes] = lambda datagram: datagram,
     ) -> None:
         """Carry between ``transport`` and the bound UDP socket of the program.
 
-        ``report`` gets each change of the connection. ``outbox`` decides which datagram goes next. ``seal`` returns
-        what to send for a datagram at the moment when it is sent, such as the signed datagram.
+        ``report`` gets each change of the connection. ``outbox`` decides which datagram goes next.
         """
-        self._transport, self._report, self._seal = transport, report, seal
+        self._transport, self._report = transport, report
         self._outbox = outbox or Outbox[bytes]()
         self._program = _reachable(program)
         self._socket = udp.bind(_LOOPBACK[program.family], 0, _BUFFER)
@@ -205,12 +207,11 @@ class Carrier:
             connection = self._connection
             if connection is None or self._broken is not None:
                 raise ConnectionError(self.why)
-            sealed = self._seal(datagram)
-            if len(sealed) > self._transport.largest:
+            if len(datagram) > self._transport.largest:
                 self._outbox.undelivered[Undelivered.TOO_LARGE.value] += 1
                 return
             try:
-                connection.send(sealed)
+                connection.send(datagram)
             except NotTakenError:
                 self._outbox.undelivered[Undelivered.NOT_TAKEN.value] += 1
             except OSError as error:

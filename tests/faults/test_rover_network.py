@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import json
 import re
+import select
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -17,6 +19,8 @@ from network import RoverNetwork, arrived, bound, inside, ip, why_not
 from polling import wait_until
 from programs import Start
 from relay import Relay
+
+from roverlink.runtime.net.transports.framing import DelimitedReader
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(bool(why_not()), reason=why_not())]
 
@@ -185,6 +189,25 @@ def test_a_cable_that_is_pulled_and_put_back(network: RoverNetwork, begin: Begin
     assert account["link_events"]["hardware ArmBoard unreachable"] == 1
     assert account["link_events"]["hardware ArmBoard reachable_again"] == 1
     assert account["unsent"]["hardware"] > 0
+
+
+def test_after_a_gap_of_a_tcp_radio_nothing_old_arrives(network: RoverNetwork, begin: Begin) -> None:
+    """The connection is given up with what it holds, and the next one begins with what is sent after the gap."""
+    base, reader = (f"{network.RADIO}.2", 7000), DelimitedReader(2000)
+    with inside(network.base, lambda: socket.create_server(base)) as server:
+        rover = begin("tcp:{}:{}".format(*base))
+        with server.accept()[0] as before:
+            wait_until(lambda: rover.say_wind(0) and before in select.select([before], [], [], 0)[0], "a wind")
+            ip("-n", network.router, "link", "set", "tobase", "down")
+            gone = "basestation: tcp:10.98.9.2:7000: "
+            wait_until(lambda: rover.say_wind(1) and any(gone in line for line in rover.program.errors), "the end")
+        ip("-n", network.router, "link", "set", "tobase", "up")
+        with server.accept()[0] as after:
+            wait_until(lambda: rover.say_wind(2) and after in select.select([after], [], [], 0)[0], "a wind")
+            assert set(reader.take(after.recv(2000))) == {rover.say_wind(2)}
+    account = rover.stop()
+    assert account["link_events"]["basestation disconnected"] >= 1
+    assert account["unsent"]["basestation"] + account["undelivered"].get("basestation not_connected", 0) > 0
 
 
 def test_a_basestation_behind_a_bad_radio(network: RoverNetwork, begin: Begin) -> None:

@@ -315,3 +315,15 @@ def test_a_link_message_from_a_wrong_source_is_ignored(caplog: pytest.LogCapture
         assert _states(rig) == ["not_learned", "not_learned"]
         assert _report(rig, _DRIVE).schema == UNKNOWN
         assert rig.account.other_schemas == {}
+
+
+def test_nobody_on_the_network_tells_the_schemas_of_a_board_with_a_line() -> None:
+    """A program that claims to be the whole peer is refused; the other board tells its own."""
+    arm, drive = _learning().peers_by_name["hardware"].boards
+    boards = (dataclasses.replace(arm, host="tcp:127.0.0.1:1"), drive)
+    with _rig(of_peers(_learning(), hardware={"boards": boards}), link_policy="refuse") as rig:
+        rig.receive(_board([1, *_DRIVE_ROWS], {1: 7, 2: 7}).write(1))
+        assert rig.account.dropped == {"wrong_source": 1}
+        assert set(_schemas(rig).values()) == {UNKNOWN}
+        rig.receive(_board(_DRIVE_ROWS, {2: 7}).write(1))
+        assert _schemas(rig) == {_ARM: UNKNOWN, _DRIVE: DIFFERS, _BASE: UNKNOWN}

@@ -65,8 +65,9 @@ class SerialConnection:
     """Open serial device."""
 
     def __init__(self, serial: ModuleType, path: str, baud: int, largest: int) -> None:
+        longest_s = largest * _BITS / baud + _HANGS_S
         # Exclusive: two programs that read one line would each get a part of the bytes.
-        self._device = serial.Serial(path, baud, timeout=0, write_timeout=_HANGS_S, exclusive=True)
+        self._device = serial.Serial(path, baud, timeout=0, write_timeout=longest_s, exclusive=True)
         self._baud = baud
         self._reader = FrameReader(largest)
         self._poll = select.poll()
@@ -95,18 +96,23 @@ class SerialConnection:
     def send(self, datagram: bytes) -> None:
         """Send a datagram, and wait until the line has almost taken it."""
         self._write(encode_frame(datagram))
-        deadline = time.monotonic() + _HANGS_S
-        while (late := self._device.out_waiting * _BITS / self._baud - _AHEAD_S) > 0:
-            if time.monotonic() > deadline + late:
+        deadline = time.monotonic() + self._waiting_s() + _HANGS_S
+        while (late := self._waiting_s() - _AHEAD_S) > 0:
+            if time.monotonic() > deadline:
                 raise OSError("the device takes no bytes")
-            time.sleep(late)
+            time.sleep(min(late, _AHEAD_S))  # over USB, the baud rate means nothing, and the bytes are gone at once
 
     def close(self) -> None:
         """Close the device."""
         self._device.close()
 
+    def _waiting_s(self) -> float:
+        """Return the time that the line needs for what the kernel still holds."""
+        waiting: int = self._device.out_waiting
+        return waiting * _BITS / self._baud
+
     def _write(self, data: bytes) -> None:
-        self._device.write(data)  # it raises an OSError of pyserial if the device takes nothing for a second
+        self._device.write(data)  # it raises an OSError of pyserial if the device does not take the data in time
 
 
 def _pyserial() -> ModuleType:
