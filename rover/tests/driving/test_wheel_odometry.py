@@ -16,15 +16,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from roverkit.driving.arcs import Arc
 from roverkit.driving.board_commands import STOP, BoardCommand
+from roverkit.gating import Reasons
 from roverkit.odometry.wheel_odometry import OdometryEstimate, WheelOdometry
 from roverkit.simulation.rover_model import STEP_NS, MotorReport, ProgressReport, RoverModel, RoverSettings
 from roverkit.simulation.rover_sensors import ImuReading, ImuSettings
 
 IDEAL = RoverSettings(
     slip=0.0,
+    mean_slip=0.0,
     side_slip=0.0,
     yaw_slip=0.0,
-    imu=ImuSettings(gyro_noise=0.0, gyro_bias=0.0, gyro_bias_walk=0.0),
+    imu=ImuSettings(gyro_noise=0.0, gyro_scale=0.0, gyro_bias=0.0, gyro_bias_walk=0.0),
     gps_period=10**12,
 )
 """A rover of which the odometry may know everything: no slip, and a gyroscope without errors."""
@@ -48,13 +50,19 @@ class Faults:
     """Usual longest delay."""
     motors: bool = True
     imu: bool = True
+    bias: float = 0.0
+    """Bias of the gyroscope in rad/s."""
+    sign: int = 1
+    """-1 for an IMU that is mounted upside down."""
 
 
 class FaultyLink:
     """A simulated rover and its odometry, between which commands and reports are delayed, lost, repeated, reordered."""
 
     def __init__(self, seed: int, faults: Faults, settings: RoverSettings = IDEAL) -> None:
-        self.model, self.odometry, self.faults = RoverModel(seed, settings), WheelOdometry(), faults
+        self.said: list[str] = []
+        self.odometry = WheelOdometry(reasons=Reasons(self.said.append))
+        self.model, self.faults = RoverModel(seed, settings), faults
         self.rng = random.Random(seed)  # noqa: S311  # repeatable, not secret
         self.estimates: list[OdometryEstimate] = []
         self._commands: list[tuple[int, int, BoardCommand]] = []
@@ -100,7 +108,7 @@ class FaultyLink:
 
     def _deliver(self, at: int, report: ProgressReport | MotorReport | ImuReading) -> None:
         if isinstance(report, ImuReading):
-            self.odometry.angular_velocity(at, report.angular_velocity[2])
+            self.odometry.angular_velocity(at, self.faults.sign * report.angular_velocity[2] + self.faults.bias)
         elif isinstance(report, MotorReport):
             if self.faults.motors:
                 self.odometry.motors(at, (abs(report.left_rpm) + abs(report.right_rpm)) / 2)
@@ -223,28 +231,45 @@ def test_a_clock_that_jumps_back_causes_no_jump() -> None:
 
 
 @pytest.mark.slow
-def test_the_bias_is_learned_while_the_rover_stands() -> None:
-    """The pose does not drift then, and a drive afterwards is straight."""
-    link = FaultyLink(4, Faults(), replace(IDEAL, imu=replace(_REAL.imu, gyro_bias=0.02)))
+@pytest.mark.parametrize(("bias", "told"), [(0.004, 0), (0.055, 1), (-0.34, 1)])
+def test_the_bias_is_learned_while_the_rover_stands(bias: float, told: int) -> None:
+    """The pose does not drift then, a drive afterwards is straight, and a large bias is said."""
+    link = FaultyLink(4, Faults(bias=bias))
     link.run(10)
     assert abs(link.estimates[-1].pose.yaw) < 0.01
-    link.command(BoardCommand(20.0, 0.0))
-    link.run(45)
-    assert abs(link.error()[2]) < 0.03
     assert link.estimates[-1].yaw_rate == 0
+    assert len([one for one in link.said if one.startswith("the bias of the gyroscope is larger")]) == told
+    link.command(BoardCommand(4.0, 0.0))
+    link.run(9)
+    assert abs(link.error()[2]) < 0.01
 
 
-def test_a_rover_that_is_carried_while_its_wheels_stand_turns() -> None:
-    """A large angular velocity is no bias."""
-    odometry = WheelOdometry()
-    for step in range(500):
+@pytest.mark.parametrize(("rate", "rest"), [(0.5, 2), (0.04, 20)])
+def test_a_rover_that_is_turned_while_its_wheels_stand_turns(rate: float, rest: int) -> None:
+    """An angular velocity that the known bias does not explain is no bias."""
+    said: list[str] = []
+    odometry = WheelOdometry(reasons=Reasons(said.append))
+    for step in range(100 * rest + 300):
         at = step * 10**7
-        odometry.angular_velocity(at, 0.5 if 200 <= step < 400 else 0.0)
+        odometry.angular_velocity(at, rate if 0 <= step - 100 * rest < 200 else 0.0)
         if step % 5 == 0:
             odometry.motors(at, 0.0)
             estimate = odometry.progress(at, 0.0)
     assert estimate is not None
-    assert estimate.pose.yaw == pytest.approx(1.0, abs=0.05)
+    assert estimate.pose.yaw == pytest.approx(2 * rate, abs=0.1 * rate)
+    (told,) = said
+    assert told.startswith("the rover turns while its wheels stand")
+
+
+@pytest.mark.slow
+def test_an_imu_that_is_mounted_upside_down_is_named() -> None:
+    """Its turns are not those of the steering; of a right one, nothing is said."""
+    for sign, count in ((1, 0), (-1, 1)):
+        link = FaultyLink(3, Faults(sign=sign), _REAL)
+        link.run(2)
+        link.command(BoardCommand(4.0, 2.0))
+        link.run(9)
+        assert len([one for one in link.said if "upside down" in one]) == count
 
 
 @pytest.mark.slow
