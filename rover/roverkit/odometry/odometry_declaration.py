@@ -58,6 +58,12 @@ NODE = NodeDeclaration(
         Parameter(
             "straight_radius", float, "turning_radius in metres that the driving board takes for a straight line", 0.0
         ),
+        Parameter(
+            "distance_scale",
+            float,
+            "true distance, as a part of the distance that the driving board reports; `--tape` measures it",
+            1.0,
+        ),
         Parameter("slip", float, "standard deviation of the distance in metres, after one metre", _NOISE["slip"]),
         Parameter(
             "side_slip",
@@ -71,9 +77,16 @@ NODE = NodeDeclaration(
             "standard deviation of the turn in radians, after one metre without an IMU",
             _NOISE["yaw_slip"],
         ),
+        Parameter(
+            "mean_slip",
+            float,
+            "standard deviation of the mean of the slip, as a part of the distance; smaller after a tape test",
+            _NOISE["mean_slip"],
+        ),
         Parameter("gyro_noise", float, "noise density of the gyroscope, in rad/s per √Hz", _NOISE["gyro_noise"]),
         Parameter("gyro_bias", float, "standard deviation of its bias at the start, in rad/s", _NOISE["gyro_bias"]),
         Parameter("gyro_bias_walk", float, "change of its bias in rad/s, after one second", _NOISE["gyro_bias_walk"]),
+        Parameter("gyro_scale", float, "standard deviation of its relative scale error", _NOISE["gyro_scale"]),
     ),
     transforms=(Transform(_FRAME, _BASE, _PUBLISH),),
 )

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from roverkit.driving.arcs import Arc
 from roverkit.odometry.distance_rate import DistanceRate
@@ -81,6 +81,11 @@ class Rolled:
     """Variance in m^2 of the part that no report contains, because of the times of messages and of accelerations."""
     curvature: float | None = 0.0
     """Curvature in 1/m of the command that the board drives; None if the command is not known."""
+
+    def scaled(self, scale: float) -> Rolled:
+        """Return the distance times a scale."""
+        distance, unsure, variance = self.distance * scale, self.unsure * scale, self.variance * scale**2
+        return replace(self, distance=distance, unsure=unsure, variance=variance)
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,6 +62,8 @@ class WheelOdometry:
         """Variance of the angular velocity because of lost readings."""
         self._reported_at: int | None = None
         self._compared = _Comparison()
+        self.distance_scale = 1.0
+        """True distance, as a part of the distance that the board reports; it may be replaced at any time."""
         self.uses_gyroscope = True
         """False if the turn of the last distance is that of the steering, because the gyroscope sent nothing."""
 
@@ -96,6 +98,7 @@ class WheelOdometry:
         rolled = self._wheels.report(now, distance_left)
         if rolled is None:
             return None
+        rolled = rolled.scaled(self.distance_scale)
         self._reported_at = now
         if rolled.until > rolled.since:
             self._move(rolled)
@@ -165,7 +168,7 @@ class WheelOdometry:
         self._reckoning.turn_by_steering(rolled, curvature, variance, seconds)
 
     def _estimate(self, now: int, unreported: float) -> OdometryEstimate:
-        noise, speed = self.noise, self._wheels.speed
+        noise, speed = self.noise, self._wheels.speed * self.distance_scale
         covariance = self._reckoning.covariance
         for axis in range(2):
             covariance[axis][axis] += unreported**2

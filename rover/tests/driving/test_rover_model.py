@@ -135,7 +135,7 @@ def test_the_imu_measures_the_motion() -> None:
     bias = mean(standing, "angular_velocity", 2)
     assert 0 < abs(bias) < 0.02
     rate = mean(turning, "angular_velocity", 2) - bias
-    assert rate == pytest.approx((model.pose.yaw - before) / 20, abs=5e-4)
+    assert rate == pytest.approx((model.pose.yaw - before) / 20, rel=4 * _FIRM.imu.gyro_scale)
     noise = statistics.pstdev(one.angular_velocity[2] for one in standing)
     assert noise == pytest.approx(_FIRM.imu.gyro_noise / math.sqrt(0.02), rel=0.15)
     assert mean(standing, "linear_acceleration", 2) == pytest.approx(9.81, abs=0.25)

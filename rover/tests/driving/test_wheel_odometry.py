@@ -14,9 +14,10 @@ from typing import TypeVar
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from roverkit.driving.arcs import Arc
+from roverkit.driving.arcs import Arc, PlanarPose
 from roverkit.driving.board_commands import STOP, BoardCommand
 from roverkit.gating import Reasons
+from roverkit.odometry.tape_test import TapeTest
 from roverkit.odometry.wheel_odometry import OdometryEstimate, WheelOdometry
 from roverkit.simulation.rover_model import STEP_NS, MotorReport, ProgressReport, RoverModel, RoverSettings
 from roverkit.simulation.rover_sensors import ImuReading, ImuSettings
@@ -270,6 +271,21 @@ def test_an_imu_that_is_mounted_upside_down_is_named() -> None:
         link.command(BoardCommand(4.0, 2.0))
         link.run(9)
         assert len([one for one in link.said if "upside down" in one]) == count
+
+
+def test_drives_along_a_tape_tell_the_scale() -> None:
+    """Each drive ends where the rover stands; the way back to the start does not count, if it is carried."""
+    said: list[str] = []
+    tape = TapeTest(4.0, lambda: 1.0, said.append)
+    place = 0.0
+    for reported in (4.2, 4.1, 4.15, 0.5):
+        for part, speed in ((0.0, 0.0), (0.5, 0.5), (1.0, 0.0)):
+            estimate = OdometryEstimate(0, PlanarPose(place + part * reported), [], speed, 0.0, 0.0, 0.0)
+            tape.take(estimate)
+        place += reported
+    assert len(said) == 3
+    assert said[0].startswith("4.200 m by odometry on a tape of 4 m; after 1 drives, distance_scale is 0.9524")
+    assert said[2].endswith("distance_scale is 0.9639, mean_slip 0.0070, and slip 0.024")
 
 
 @pytest.mark.slow
