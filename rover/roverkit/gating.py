@@ -62,8 +62,8 @@ class Reasons:
         self._unlikely: dict[str, float] = {}
         self._told = Counter[str]()
 
-    def leave_out(self, reason: str, details: str = "") -> None:
-        """Count an input that cannot be used, and say so. ``details`` may change from input to input."""
+    def tell(self, reason: str, details: str = "") -> None:
+        """Count a reason, such as an input that cannot be used, and say it. ``details`` may change each time."""
         self.counts[reason] += 1
         self._tell(reason, details)
 

@@ -74,6 +74,7 @@ class FieldGraph(Generic[T]):
         self._landmarks = 0
         self._seen: Counter[T] = Counter()
         self._strange: dict[T, list[_Sighting]] = {}
+        self._misfits: Counter[T] = Counter()
         self._last: OdometryPoint | None = None
         self._last_seen: frozenset[T] = frozenset()
         self._last_gps: OdometryPoint | None = None
@@ -92,6 +93,11 @@ class FieldGraph(Generic[T]):
             for landmark, key in self._keys.items()
             if landmark not in self._trusted and self._seen[landmark] >= _SEVERAL
         }
+
+    @property
+    def is_lost(self) -> bool:
+        """True if the pose contradicts the landmarks: several sightings of two, since a trusted one has fitted."""
+        return sum(count >= _SEVERAL for count in self._misfits.values()) >= _ENOUGH
 
     @property
     def unknown(self) -> str:
@@ -139,6 +145,8 @@ class FieldGraph(Generic[T]):
             sighting = _Sighting(key, point, place)
             if self._fits(landmark, predicted @ place):
                 self._strange.pop(landmark, None)
+                if landmark in self._trusted:
+                    self._misfits.clear()
                 if landmark not in self._keys:
                     self._add_landmark(landmark, predicted.pose @ place.pose, values)
                 sightings = [sighting]
@@ -196,6 +204,7 @@ class FieldGraph(Generic[T]):
             < gate_limit(3)
         ]
         self._strange[landmark] = [*agreeing, sighting]
+        self._misfits[landmark] += 1
         return self._strange[landmark]
 
     def _add_landmark(self, landmark: T, place: PlanarPose, values: Any) -> None:

@@ -25,7 +25,7 @@ from roverkit.driving.geodesy import Datum
 from roverkit.fusion.field_graph import FieldGraph
 from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY, TRANSFORM
 from roverkit.fusion.odometry_track import PLANAR, OdometryPoint, OdometryTrack, UnknownCovariance, point_of
-from roverkit.fusion.planar_gaussian import PlanarGaussian, is_covariance
+from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, is_covariance
 from roverkit.fusion.planar_landmarks import planar_detections, surveyed_places
 from roverkit.gating import Reasons
 from roverkit.node.program import connected, json_printer
@@ -102,9 +102,13 @@ class Fusion:
         replace(DETECTIONS, name=name).subscribe(self._connection.middleware, self._connection.topic, take)
 
     def _start(self) -> None:
-        self._track, self._graph = OdometryTrack(), FieldGraph(surveyed_places(self._landmarks), self.reasons)
+        self._track = OdometryTrack()
+        self._begin()
         self._without_covariance: UnknownCovariance | None = None
         self._waiting: list[tuple[int, Callable[[OdometryPoint], None]]] = []
+
+    def _begin(self) -> None:
+        self._graph = FieldGraph(surveyed_places(self._landmarks), self.reasons)
         self._moved: Mapping[TargetId, float] = {}
 
     def tick(self) -> None:
@@ -123,7 +127,7 @@ class Fusion:
                     message = cdr.decode(Odometry, data)
                     point = self._point_of(message)
                 except ConversionError as error:
-                    self.reasons.leave_out(f"odometry left out: {error}")
+                    self.reasons.tell(f"odometry left out: {error}")
                     continue
                 self._odometry_at = self._clock.now()
                 before = self._track.newest
@@ -142,15 +146,15 @@ class Fusion:
                     message = cdr.decode(vision_msgs.Detection3DArray, data)
                     stamp, camera = stamp_of(message.header), message.header.frame_id
                     place = mount or self._connection.transforms.look_up(self._base, camera, stamp)
-                    detections = planar_detections(message, place, self._landmarks)
+                    detections = planar_detections(message, place, self._landmarks, self.reasons.tell)
                 except (ConversionError, TransformError) as error:
                     # The age in the text changes with every image.
                     reason, _, details = str(error).partition(":")
-                    self.reasons.leave_out(f"landmarks left out: {reason}", details.strip())
+                    self.reasons.tell(f"landmarks left out: {reason}", details.strip())
                     continue
                 if self._is_ahead("landmarks", stamp):
                     continue
-                self._wait(stamp, partial(self._graph.see, detections))
+                self._wait(stamp, partial(self._see, detections))
 
     def _take_fixes(self, messages: Sequence[bytes]) -> None:
         with self._lock:
@@ -161,10 +165,10 @@ class Fusion:
                         continue
                     position, covariance = _on_field(fix, *self._datum)
                 except ConversionError as error:
-                    self.reasons.leave_out(f"GPS position left out: {error}")
+                    self.reasons.tell(f"GPS position left out: {error}")
                     continue
                 if not self._is_ahead("GPS positions", stamp := stamp_of(fix.header)):
-                    self._wait(stamp, partial(self._graph.locate, position, covariance))
+                    self._wait(stamp, partial(self._locate, position, covariance))
 
     def _is_ahead(self, what: str, stamp: int) -> bool:
         """Return true, and count it, if a stamp is ahead of the own clock. Say so if it is long ago."""
@@ -172,7 +176,7 @@ class Fusion:
         if age > _SKEW_NS:
             self.reasons.note(f"{what} come late; is the clock of their computer right?", f"{age / 1e9:.1f} s")
         if age < -_SKEW_NS:
-            self.reasons.leave_out(
+            self.reasons.tell(
                 f"{what} left out: the stamp is in the future; is the clock of their computer right?",
                 f"{-age / 1e9:.1f} s ahead",
             )
@@ -196,6 +200,19 @@ class Fusion:
         del self._waiting[:-_WAITING]
         if (newest := self._track.newest) is not None:
             self._catch_up(newest.stamp)
+
+    def _see(self, detections: Mapping[TargetId, PlanarGaussian], point: OdometryPoint) -> None:
+        self._graph.see(detections, point)
+        if self._graph.is_lost:
+            self.reasons.tell(
+                "no landmark fits any more: the wheels slip more than `slip` says, the rover was pushed, the gyroscope "
+                "has another bias or scale, or the mount of a camera is wrong; beginning again"
+            )
+            self._begin()
+            self._graph.see(detections, point)
+
+    def _locate(self, position: Floats, covariance: Floats, point: OdometryPoint) -> None:
+        self._graph.locate(position, covariance, point)
 
     def _catch_up(self, now: int) -> None:
         """Use the measurements for whose times the odometry is known."""

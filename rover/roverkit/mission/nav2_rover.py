@@ -136,7 +136,7 @@ class Nav2Rover:
     def _execute(self, action: RclpyAction, goal: Any, timeout: float) -> Outcome:
         """Send a goal to Nav2 and wait for its end; cancel it if it takes too long, or if the mission ends.
 
-        Nav2 is dead if its server disappears, or if it sends no more feedback: a killed server stays known for some time.
+        Nav2 is dead if its server disappears, or if its feedback ends: a killed server stays known for some time.
         """
         if not self._until(action.has_server, _SERVER_S):
             return Outcome.GONE

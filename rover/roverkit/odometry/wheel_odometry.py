@@ -6,6 +6,7 @@ turn comes from the curvature of the commands, which is far less exact.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from roverkit.driving.arcs import Arc, PlanarPose
@@ -25,6 +26,8 @@ _UNKNOWN_CURVATURE = 1.0
 """Standard deviation of the turn in radians, after one metre of a command that is not known."""
 _COMPARED_M = 1.0
 """Distance in metres after which the gyroscope is compared with the steering: far more than the slip's correlation."""
+_WATCHED_M = 5.0
+"""Distance in metres over which the errors that cannot be known are compared with the slip."""
 _BIAS = "bias of the gyroscope"
 SPEED_DEVIATION = 0.01
 """Standard deviation in m/s of the speed between two reports, beyond slip."""
@@ -62,6 +65,7 @@ class WheelOdometry:
         """Variance of the angular velocity because of lost readings."""
         self._reported_at: int | None = None
         self._compared = _Comparison()
+        self._way = self._unsure = self._unsure_part = 0.0
         self.distance_scale = 1.0
         """True distance, as a part of the distance that the board reports; it may be replaced at any time."""
         self.uses_gyroscope = True
@@ -116,6 +120,7 @@ class WheelOdometry:
 
     def _move(self, rolled: Rolled) -> None:
         seconds = (rolled.until - rolled.since) / 1e9
+        self._watch(rolled)
         turn = self._gyroscope.take_turn(rolled.until)
         if turn is None:
             if rolled.distance:
@@ -137,6 +142,19 @@ class WheelOdometry:
 
         self._compare(rolled, turn.angle - self._reckoning.bias * seconds)
 
+    def _watch(self, rolled: Rolled) -> None:
+        """Say so if errors that cannot be known are larger than the slip."""
+        self._way += abs(rolled.distance)
+        self._unsure += abs(rolled.unsure)
+        if self._way < _WATCHED_M:
+            return
+        self._unsure_part, self._way, self._unsure = self._unsure / self._way, 0.0, 0.0
+        if self._unsure_part > self.noise.slip:
+            self.reasons.note(
+                "the distance is uncertain: commands come too quickly for the reports, or the reports are rounded",
+                f"{self._unsure_part:.0%} of the distance",
+            )
+
     def _compare(self, rolled: Rolled, turn: float) -> None:
         """Compare the turn by the gyroscope with that of the steering: an IMU may be mounted upside down."""
         if rolled.curvature is None or self._curvature is None:
@@ -145,11 +163,11 @@ class WheelOdometry:
         compared.distance += abs(rolled.distance)
         compared.by_gyroscope += turn
         compared.by_steering += rolled.distance * rolled.curvature
-        compared.variance += ((rolled.curvature - self._curvature) * _STEERING_M) ** 2
+        compared.variance += ((rolled.curvature - self._curvature) * 2 * _STEERING_M) ** 2
         if compared.distance < _COMPARED_M:
             return
-        self._compared = _Comparison()
-        variance = compared.variance + self.noise.yaw_slip**2 * compared.distance
+        self._compared = _Comparison(before=compared.variance)
+        variance = compared.variance + compared.before + self.noise.yaw_slip**2 * compared.distance
         self.reasons.passes(
             "the gyroscope and the steering disagree; is the IMU mounted upside down, or is smallest_radius wrong?",
             (compared.by_gyroscope - compared.by_steering) ** 2 / variance,
@@ -172,7 +190,7 @@ class WheelOdometry:
         covariance = self._reckoning.covariance
         for axis in range(2):
             covariance[axis][axis] += unreported**2
-        moving = (noise.slip * speed) ** 2 + SPEED_DEVIATION**2
+        moving = (math.hypot(noise.slip, self._unsure_part) * speed) ** 2 + SPEED_DEVIATION**2
         turning = (
             self._reckoning.bias_variance
             + noise.gyro_noise**2 / _REGULAR_S
@@ -195,7 +213,9 @@ class _Comparison:
     by_gyroscope: float = 0.0
     by_steering: float = 0.0
     variance: float = 0.0
-    """Variance of the difference in rad^2, beyond that of the slip."""
+    """Variance of the difference in rad^2 by changes of the steering, which take some time."""
+    before: float = 0.0
+    """The same of the distance before, whose last change may go on."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -118,7 +118,7 @@ class OdometryNode:
                     try:
                         take(data)
                     except ConversionError as error:
-                        self.reasons.leave_out(f"ignoring a message: {error}")
+                        self.reasons.tell(f"ignoring a message: {error}")
 
         return take_all
 

@@ -18,10 +18,11 @@ from roverkit.driving.arcs import Arc, PlanarPose, arc_to
 from roverkit.fusion.fusing import Fusion
 from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY
 from roverkit.fusion.planar_gaussian import PlanarGaussian, rotation
+from roverkit.gating import Reasons
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_messages import odometry_of
 from roverkit.odometry.wheel_odometry import OdometryEstimate, WheelOdometry
-from roverkit.simulation.rover_model import MotorReport, ProgressReport, RoverModel
+from roverkit.simulation.rover_model import Measurement, MotorReport, ProgressReport, RoverModel, RoverSettings
 from roverkit.simulation.rover_sensors import GpsFix, ImuReading
 from roverkit.vision import TargetId
 
@@ -58,13 +59,17 @@ class FieldDrive:
         sees: bool = True,
         odometry: bool = True,
         change: Callable[[Any, float], None] = lambda _, __: None,
+        sense: Callable[[Measurement], Measurement | None] = lambda one: one,
+        settings: RoverSettings | None = None,
         logger: logging.Logger | None = None,
     ) -> None:
         self._has_odometry = odometry
-        self._change = change  # of a message, at a time in seconds
+        self._change, self._sense = change, sense  # of a message, at a time in seconds; of a measurement
         self.start = PlanarPose(1.5, -1.0, math.pi / 2)
-        self.model = RoverModel(seed, start=self.start)
-        self._odometry = WheelOdometry()
+        self.model = RoverModel(seed, settings, self.start)
+        self.said: list[str] = []
+        """Messages of the odometry."""
+        self._odometry = WheelOdometry(reasons=Reasons(self.said.append))
         landmarks = field()
         self._tracker = SimulatedTracker(seed, standing(landmarks, seed, moved))
         self._corner = self._steps = 0
@@ -100,13 +105,14 @@ class FieldDrive:
         for _ in range(round(seconds / _STEP_S)):
             self._step()
 
-    def drive(self, metres: float) -> None:
-        """Drive along the square for a distance."""
+    def drive(self, metres: float, watch: Callable[[], None] = lambda: None) -> None:
+        """Drive along the square for a distance; ``watch`` is called ten times a second."""
         until = self.model.rolled + metres
         while self.model.rolled < until:
             if self._steps % _COMMAND_STEPS == 0:
                 self._steer()
             self._step()
+            watch()
 
     @property
     def error(self) -> tuple[np.ndarray, np.ndarray]:
@@ -142,7 +148,7 @@ class FieldDrive:
     def _step(self) -> None:
         self._steps += 1
         self._fusion.tick()
-        for one in self.model.advance(_STEP_S):
+        for one in filter(None, map(self._sense, self.model.advance(_STEP_S))):
             if isinstance(one, ImuReading):
                 self._odometry.angular_velocity(one.at, one.angular_velocity[2])
             elif isinstance(one, MotorReport):
