@@ -29,6 +29,7 @@ from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, is_covarianc
 from roverkit.fusion.planar_landmarks import planar_detections, surveyed_places
 from roverkit.gating import Reasons
 from roverkit.node.program import connected, json_printer
+from roverkit.node.reason_diagnostics import ReasonDiagnostics
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_messages import UNKNOWN_VARIANCE, pose_of
 from roverkit.vision.camera.cameras_file import read_cameras
@@ -82,6 +83,7 @@ class Fusion:
         self._lock = threading.Lock()
         self.reasons = Reasons(logger.warning)
         """Reasons why inputs are left out, and why there is no pose."""
+        self._diagnostics = ReasonDiagnostics(connection, self.reasons)
         self._odometry_at: int | None = None
         self._start()
         middleware, topic = connection.middleware, connection.topic
@@ -112,11 +114,12 @@ class Fusion:
         self._moved: Mapping[TargetId, float] = {}
 
     def tick(self) -> None:
-        """Look whether odometry comes: without it, there is no pose."""
+        """Look whether odometry comes, without which there is no pose, and publish the reasons."""
         with self._lock:
             now = self._clock.now()
             if self._odometry_at is None or now - self._odometry_at > _PERIOD_NS:
                 self.reasons.lack(_RESULT, f"no odometry comes on {self._connection.topic(ODOMETRY.name)}", now)
+            self._diagnostics.publish(now)
 
     # --- inputs ---
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 
 from roverkit.driving import drive_declaration
-from roverkit.node.shared_topics import transforms
+from roverkit.node import shared_topics
 from roverkit.odometry.dead_reckoning import OdometryNoise
 from roverlink.nodes import Direction, NodeDeclaration, Parameter, RowTopic, Topic, Transform
 from roverlink.runtime.core.handler import Qos
@@ -36,7 +36,7 @@ ODOMETRY = Topic(
     Direction.PUBLISHED,
     "pose in the frame `odom`, velocity in `base_link`, and their covariances",
 )
-TRANSFORM = transforms("transform from `odom` to `base_link`, unless `publish_tf` is false")
+TRANSFORM = shared_topics.transforms("transform from `odom` to `base_link`, unless `publish_tf` is false")
 
 _NOISE = asdict(OdometryNoise())
 _FRAME = Parameter("odom_frame", str, "frame in which the pose of the rover is", "odom")
@@ -49,7 +49,7 @@ _PUBLISH = Parameter(
 )
 NODE = NodeDeclaration(
     "odometry",
-    (COMMAND, PROGRESS, DIAGNOSTICS, IMU, ODOMETRY, TRANSFORM),
+    (COMMAND, PROGRESS, DIAGNOSTICS, IMU, ODOMETRY, TRANSFORM, shared_topics.DIAGNOSTICS),
     (
         _FRAME,
         _BASE,

@@ -11,6 +11,7 @@ from functools import partial
 
 from roverkit.gating import Reasons
 from roverkit.node.program import connected, json_printer, project_registry
+from roverkit.node.reason_diagnostics import ReasonDiagnostics
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_declaration import IMU, ODOMETRY, TRANSFORM
 from roverkit.odometry.odometry_messages import odometry_of, transform_of
@@ -66,6 +67,7 @@ class OdometryNode:
         self._clock = connection.clock
         self.reasons = Reasons(logger.warning)
         """Reasons why inputs are left out, and why something is not known."""
+        self._diagnostics = ReasonDiagnostics(connection, self.reasons)
         self._odometry = WheelOdometry(parameters.meaning.noise, self.reasons)
         # In memory, a subscriber of the odometry may send a command, which comes back at once.
         self._lock = threading.RLock()
@@ -95,9 +97,10 @@ class OdometryNode:
             self.tick()
 
     def tick(self) -> None:
-        """Publish the last estimate again if the driving board has reported nothing for a while."""
+        """Publish the reasons, and the last estimate again if the driving board has reported nothing for a while."""
         with self._lock:
             now = self._clock.now()
+            self._diagnostics.publish(now)
             if self._reported_at is None:
                 topic = self._connection.topic(self._rows.progress.name)
                 self.reasons.lack("odometry", f"no report of the driving board comes on {topic}", now)

@@ -19,8 +19,10 @@ pytest.importorskip("gtsam", reason=NO_GTSAM)
 from roverkit.driving.arcs import PlanarPose
 
 from rover.tests.driving.field_drive import FieldDrive
+from rover.tests.programs.node_in_memory import hear
 from roverlink.runtime.convert.rotations import angles
 from roverlink.runtime.interfaces import sensor_msgs, vision_msgs
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.interfaces.nav_msgs import Odometry
 
 
@@ -200,7 +202,10 @@ def test_no_pose_has_a_reason(
         rover.stand(4)
     (told,) = [record.getMessage() for record in caplog.records if record.getMessage().startswith("no pose for 1")]
     assert why in told
-    assert rover.reasons.missing
+    heard = hear(rover.middleware, "/diagnostics", DiagnosticArray)
+    rover.stand(1)
+    (status,) = heard[-1].status
+    assert why.partition(":")[0] in f"{status.message} {status.values}"
 
 
 @pytest.mark.slow

@@ -381,7 +381,7 @@ def _straight(link: FaultyLink) -> None:
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("drive", [_straight, lambda link: _arcs(link, 100, True), lambda link: _stream(link, 100)])
 def test_a_hundred_metres_with_slip(drive: Callable[[FaultyLink], object]) -> None:
-    """The figures of rover/docs/odometry.md: of 100 drives, 95 drift less than 3 %, and the covariance is honest."""
+    """The figures of rover/docs/odometry.md: of 100 drives, 95 drift less than 5 %, and the covariance is honest."""
     drifts, errors = [], []
     for seed in range(100):
         link = FaultyLink(seed, Faults(), _REAL)
@@ -389,5 +389,5 @@ def test_a_hundred_metres_with_slip(drive: Callable[[FaultyLink], object]) -> No
         drifts.append(_distance_error(link) / link.model.rolled)
         errors.append(_normalized_error(link))
     print(f"drift: mean {statistics.fmean(drifts):.2%}, p95 {sorted(drifts)[94]:.2%}; {statistics.fmean(errors):.2f}")
-    assert sorted(drifts)[94] < 0.03
+    assert sorted(drifts)[94] < 0.05
     assert 2.26 < statistics.fmean(errors) < 3.87  # 99.9 % of the means of 100 such values
