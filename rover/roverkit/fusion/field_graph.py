@@ -189,7 +189,7 @@ class FieldGraph(Generic[T]):
         """Return true if a place on the field by a sighting is that of the landmark."""
         known = self._known(landmark)
         return self._reasons.passes(
-            f"sighting of landmark {landmark} left out: its number may be wrong, or the landmark or the rover was moved",
+            f"sighting of landmark {landmark} left out: its number may be wrong, or it or the rover was moved",
             squared_distance(known, sight),
             3,
             f"it is {known.pose.distance_to(sight.pose):.2f} m beside its place",

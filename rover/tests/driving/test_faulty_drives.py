@@ -198,7 +198,7 @@ _FAULTS = {
     "a silent IMU": _Fault("angular velocity", sense=_lost(ImuReading, 1.0)),
     "a bias that jumps": _Fault("gyroscope", sense=_gyroscope(lambda rate: rate + 0.05)),
     "an IMU upside down": _Fault("upside down", sense=_gyroscope(lambda rate: -rate)),
-    "a scale of 3 %": _Fault("scale", settings=RoverSettings(imu=ImuSettings(gyro_scale=0.03))),
+    "a scale of 3 %": _Fault(_LANDMARK, settings=RoverSettings(imu=ImuSettings(gyro_scale=0.03))),
     "much slip": _Fault("the wheels slip", settings=RoverSettings(slip=0.15, mean_slip=0.08)),
     "spinning wheels": _Fault("the wheels slip", disturb=_spins),
     "a push": _Fault("the rover was moved", disturb=_pushed),
