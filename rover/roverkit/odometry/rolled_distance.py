@@ -327,7 +327,8 @@ class RolledDistance:
             self._by_time.drift(min(_ACCELERATION * _seconds(since, now), _SPEED_LIMIT))
         if taken.distance:
             self._moved_at = now
-        self._compare(left)
+        if left:
+            self._compare(left)
         unsure, variance = math.copysign(self._at_changes(taken), taken.distance), taken.variance
         if command is not self._command:
             variance += _ALIKE * unsure**2

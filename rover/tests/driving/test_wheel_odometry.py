@@ -49,6 +49,9 @@ class Faults:
     lateness: float = 0.12
     delay: float = 0.0005
     """Usual longest delay."""
+    least_delay: float = 0.0
+    step: float = 0.0
+    """Step in metres to which the board rounds its reports; 0 for none."""
     motors: bool = True
     imu: bool = True
     bias: float = 0.0
@@ -99,13 +102,17 @@ class FaultyLink:
     def _transport(self, report: ProgressReport | MotorReport) -> None:
         if self.rng.random() < self.faults.lost:
             return
+        if isinstance(report, ProgressReport) and (step := self.faults.step):
+            report = replace(report, distance_left=round(report.distance_left / step) * step)
         for _ in range(2 if self.rng.random() < self.faults.repeated else 1):
             late = self.faults.lateness if self.rng.random() < self.faults.late else 0.0
             self._put(self._reports, report.at + round(late * 1e9), report)
 
     def _put(self, queue: list[tuple[int, int, T]], at: int, what: T) -> None:
         self._count += 1
-        heapq.heappush(queue, (at + round(self.rng.uniform(0, self.faults.delay) * 1e9), self._count, what))
+        heapq.heappush(
+            queue, (at + round(self.rng.uniform(self.faults.least_delay, self.faults.delay) * 1e9), self._count, what)
+        )
 
     def _deliver(self, at: int, report: ProgressReport | MotorReport | ImuReading) -> None:
         if isinstance(report, ImuReading):
@@ -143,15 +150,15 @@ def _arcs(link: FaultyLink, metres: float, backwards: bool = False, restarts: fl
     return count
 
 
-def _stream(link: FaultyLink, metres: float) -> None:
-    """Drive as a controller does: a command each 30 or 50 ms, far longer than the rover drives until the next one."""
+def _stream(link: FaultyLink, metres: float, periods: tuple[float, ...] = (0.03, 0.05)) -> None:
+    """Drive as a controller does: the commands are far longer than the rover drives until the next one."""
     rng = link.rng
     link.run(1)
     while link.model.rolled < metres:
         radius, speed = rng.choice((0, 1, -1)) * rng.uniform(0.7, 8), rng.uniform(0.15, 0.5)
         for _ in range(rng.randrange(5, 60)):
             link.command(BoardCommand(0.4 * speed * rng.uniform(0.9, 1.1), radius))
-            link.run(rng.choice((0.03, 0.05)))
+            link.run(rng.choice(periods))
         if rng.random() < 0.3:
             link.command(STOP)
             link.run(rng.uniform(0.1, 2))
@@ -391,3 +398,42 @@ def test_a_hundred_metres_with_slip(drive: Callable[[FaultyLink], object]) -> No
     print(f"drift: mean {statistics.fmean(drifts):.2%}, p95 {sorted(drifts)[94]:.2%}; {statistics.fmean(errors):.2f}")
     assert sorted(drifts)[94] < 0.05
     assert 2.26 < statistics.fmean(errors) < 3.87  # 99.9 % of the means of 100 such values
+
+
+def _four_percent(link: FaultyLink) -> None:
+    link.model._mean_slip = 0.04
+    _arcs(link, 58, True)
+
+
+def _three_thousandths(link: FaultyLink) -> None:
+    link.model._imu._gyro_scale = 1.003
+    _arcs(link, 58, True)
+
+
+_SLOW_REPORTS = replace(_REAL, progress_period=100_000_000)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize(
+    ("faults", "settings", "drive", "most"),
+    [
+        (Faults(), _REAL, lambda link: _arcs(link, 58, True), 3.9),
+        (Faults(), _REAL, _four_percent, 4.0),
+        (Faults(), _REAL, _three_thousandths, 4.0),
+        (Faults(), _SLOW_REPORTS, lambda link: _stream(link, 30, (0.1,)), 6.0),
+        (Faults(delay=0.051, least_delay=0.05), _REAL, lambda link: _stream(link, 30, (0.1,)), 6.0),
+        (Faults(step=0.01), _REAL, lambda link: _stream(link, 30, (0.1,)), 6.0),
+    ],
+    ids=["default", "mean slip", "scale", "slow reports", "delay", "coarse reports"],
+)
+def test_what_cannot_be_known_is_in_the_covariance(
+    faults: Faults, settings: RoverSettings, drive: Callable[[FaultyLink], object], most: float
+) -> None:
+    """Errors that stay the same during a drive: the mean normalized error of 50 drives."""
+    errors = []
+    for seed in range(50):
+        link = FaultyLink(seed, faults, settings)
+        drive(link)
+        errors.append(_normalized_error(link))
+    print(f"{statistics.fmean(errors):.2f}")
+    assert statistics.fmean(errors) < most
