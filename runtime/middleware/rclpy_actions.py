@@ -37,6 +37,7 @@ class GoalEnd(enum.Enum):
     CANCELED = "canceled"
 
 
+_REFUSED = (CancelGoal.Response.ERROR_NONE, CancelGoal.Response.ERROR_REJECTED)
 _ENDS = {
     GoalStatus.STATUS_SUCCEEDED: GoalEnd.SUCCEEDED,
     GoalStatus.STATUS_ABORTED: GoalEnd.ABORTED,
@@ -123,8 +124,10 @@ class SentGoal:
         handle.cancel_goal_async().add_done_callback(self._take_cancelling)
 
     def _take_cancelling(self, future: Any) -> None:
-        # A goal that has ended meanwhile cannot be cancelled any more, which is no refusal.
-        if future.result().return_code == CancelGoal.Response.ERROR_REJECTED:
+        # A goal that has ended meanwhile cannot be cancelled any more, which is no refusal. A server of rclpy does not
+        # set the code of a refusal.
+        answer = future.result()
+        if not answer.goals_canceling and answer.return_code in _REFUSED:
             self._refused()
 
     def _take_result(self, future: Any) -> None:
