@@ -12,7 +12,10 @@ from roverlink.runtime.core.handler import Deadman, Handler, Route
 class DriveMotorHandler(
     Handler[motor_msg_pb2.DrivingBoardMotorMessage, DrivingBoardMotorMessage]
 ):
-    """A drive command: how far to go, and along which arc. It replaces the one before, also in the middle of its arc.
+    """DrivingBoardMotorMessage as comms/msg/DrivingBoardMotorMessage.
+
+    A drive command: how far to go, and along which arc. It replaces the one before, also in the middle of its arc.
+    With a distance of 0, the radius has no meaning, and the wheels keep their direction.
 
     Number 9 of the envelope, from the topic drive_motor to the peer hardware.
     """

@@ -12,7 +12,11 @@ from roverlink.runtime.core.messages import Float32, Message
 
 @dataclass(slots=True)
 class DrivingBoardMotorMessage(Message):
-    """A drive command: how far to go, and along which arc. It replaces the one before, also in the middle of its arc."""
+    """Made from DrivingBoardMotorMessage.
+
+    A drive command: how far to go, and along which arc. It replaces the one before, also in the middle of its arc.
+    With a distance of 0, the radius has no meaning, and the wheels keep their direction.
+    """
 
     __msgtype__: ClassVar[str] = "comms/msg/DrivingBoardMotorMessage"
     __typehash__: ClassVar[str] = (

@@ -18,6 +18,7 @@ from collections.abc import Callable
 from typing import Any
 
 from action_msgs.msg import GoalStatus
+from action_msgs.srv import CancelGoal
 from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
 from rclpy.clock import Clock, ClockType
@@ -36,6 +37,7 @@ class GoalEnd(enum.Enum):
     CANCELED = "canceled"
 
 
+_REFUSED = (CancelGoal.Response.ERROR_NONE, CancelGoal.Response.ERROR_REJECTED)
 _ENDS = {
     GoalStatus.STATUS_SUCCEEDED: GoalEnd.SUCCEEDED,
     GoalStatus.STATUS_ABORTED: GoalEnd.ABORTED,
@@ -88,10 +90,15 @@ class SentGoal:
         self._take_feedback, self._end = take_feedback, end
         self._handle: Any = None
         self._canceled = False
+        self._refused: Callable[[], None] = lambda: None
         executor.create_task(self._send)
 
-    def cancel(self) -> None:
-        """Cancel the goal, as soon as the server has accepted it; its end comes as for every goal."""
+    def cancel(self, refused: Callable[[], None]) -> None:
+        """Cancel the goal, as soon as the server has accepted it; its end comes as for every goal.
+
+        ``refused`` is called on the thread of the executor if the server refuses to cancel it.
+        """
+        self._refused = refused
         self._executor.create_task(self._cancel)
 
     def _send(self) -> None:
@@ -106,12 +113,22 @@ class SentGoal:
         self._handle = handle
         handle.get_result_async().add_done_callback(self._take_result)
         if self._canceled:
-            handle.cancel_goal_async()
+            self._ask_to_cancel(handle)
 
     def _cancel(self) -> None:
         self._canceled = True
         if self._handle is not None:
-            self._handle.cancel_goal_async()
+            self._ask_to_cancel(self._handle)
+
+    def _ask_to_cancel(self, handle: Any) -> None:
+        handle.cancel_goal_async().add_done_callback(self._take_cancelling)
+
+    def _take_cancelling(self, future: Any) -> None:
+        # A goal that has ended meanwhile cannot be cancelled any more, which is no refusal. A server of rclpy does not
+        # set the code of a refusal.
+        answer = future.result()
+        if not answer.goals_canceling and answer.return_code in _REFUSED:
+            self._refused()
 
     def _take_result(self, future: Any) -> None:
         # A server that has forgotten the goal, because it was started again, answers with an unknown status.

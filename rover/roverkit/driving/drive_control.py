@@ -137,6 +137,7 @@ class DriveControl:
         self._commanded: _Motion | None = None  # by the last command; None after a change that is to be sent at once
         self._commanded_at = 0
         self._lag = 0.0  # metres that are added to commands, because the rover is slower than it is to be
+        self._is_up, self._steady = False, 0.0  # true if the rover has started; seconds for which it is to be fast
         self._moves = False  # true if the last command was not the stop
         self.status = Status(State.MANUAL, "no control_mode has come yet")
         """State, after the last step."""
@@ -220,6 +221,7 @@ class DriveControl:
     def _stop(self) -> BoardCommand | None:
         """Return the stop if the last command moves the rover, else None."""
         self._speed = self._lag = 0.0
+        self._is_up, self._steady = False, 0.0
         self._commanded, self._commanded_at = None, self._now
         stops, self._moves = self._moves, False
         return STOP if stops else None
@@ -292,6 +294,7 @@ class DriveControl:
         change = settings.acceleration * seconds
         self._speed += min(max(wanted - self._speed, -change), change)
         self._curvature = curvature
+        self._steady = self._steady + seconds if self._speed == wanted else 0.0
         distance = _travel(self._speed, wanted, settings.acceleration, settings.horizon)
         corrected = max(abs(distance) + self._feedback(settings, abs(distance), seconds), 0.0)
         distance = math.copysign(min(corrected, motion.left), distance)
@@ -308,6 +311,9 @@ class DriveControl:
             self._lag = 0.0
         else:
             slower = math.copysign(1, self._speed) * (self._speed - place.speed)
+            self._is_up |= slower <= 0 or self._steady > settings.horizon
+            if not self._is_up:  # the rover starts: the correction would grow until the rover is too fast
+                return self._lag
             self._lag = min(max(self._lag + _FEEDBACK * slower * seconds, -2 * distance), distance)
         return self._lag
 

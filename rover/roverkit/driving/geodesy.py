@@ -15,7 +15,8 @@ class Datum:
     """Origin of a plane: ``latitude`` and ``longitude`` in degrees, ``altitude`` in metres above the ellipsoid.
 
     On the plane, one degree of latitude or longitude has the length that it has at the datum. Within a kilometre of it,
-    and up to 60 degrees of latitude, this is less than 0.2 m beside the true position.
+    and up to 60 degrees of latitude, this is less than 0.2 m beside the true position. The antimeridian
+    is no border: longitudes differ by at most half a turn.
     """
 
     latitude: float
@@ -25,12 +26,12 @@ class Datum:
     def geodetic(self, x: float, y: float) -> tuple[float, float]:
         """Return the latitude and longitude, in degrees, of a point ``x`` metres east and ``y`` metres north of it."""
         east, north = self._metres_per_degree
-        return self.latitude + y / north, self.longitude + x / east
+        return self.latitude + y / north, math.remainder(self.longitude + x / east, 360)
 
     def planar(self, latitude: float, longitude: float) -> tuple[float, float]:
         """Return the metres to the east and to the north of a latitude and a longitude in degrees."""
         east, north = self._metres_per_degree
-        return (longitude - self.longitude) * east, (latitude - self.latitude) * north
+        return math.remainder(longitude - self.longitude, 360) * east, (latitude - self.latitude) * north
 
     @property
     def _metres_per_degree(self) -> tuple[float, float]:

@@ -4,6 +4,11 @@ GTSAM's iSAM2 (Kaess and others, 2012) solves it anew with each image. A landmar
 by the survey with the survey's accuracy. So the error of a survey is estimated, and does not count as a new error in
 each image. Landmarks that do not agree with the others have no place by the survey: somebody has moved them.
 
+A sighting passes the gate if it agrees with the landmark's place, which is that of the survey before the first
+sighting. If it does not, and agrees with that of another landmark, its number is wrong. Else the landmark may have
+been moved. Several such sightings that agree with each other are of a moved landmark, which becomes a new variable. All
+other sightings are left out.
+
 The slip of the wheels is a part of each pose's variable, because it goes on from one motion to the next one.
 
 The images that are used are some distance apart. The errors of images from one place are the same, so these images tell
@@ -15,7 +20,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -24,16 +29,17 @@ from roverkit.fusion.field_factors import detection_factor, motion_factor, pose2
 from roverkit.fusion.gtsam_library import gtsam
 from roverkit.fusion.landmark_agreement import agreeing
 from roverkit.fusion.odometry_track import OdometryPoint
-from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian
+from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, squared_distance, squared_way
 from roverkit.fusion.slipping_motion import pose_of, state_of
+from roverkit.gating import Reasons, gate_limit
 
 _APART_M = 0.25
 _APART_RAD = 0.15
 """Least distance and angle between two images that show the same landmarks."""
 _GPS_APART_M = 1.0
 """Least distance between two GPS positions: the errors of successive ones are nearly the same."""
-_HUBER = 3.0
-"""Error in standard deviations from which a detection or a GPS position counts less (Huber's estimator)."""
+_SEVERAL = 3
+"""Sightings that must agree with each other before they contradict what is known about a landmark."""
 _ENOUGH = 2
 """Landmarks that must agree before there is a pose, if the survey has more: a single one may have been moved."""
 _HELD = gtsam.noiseModel.Isotropic.Sigma(3, 1e-3)
@@ -47,17 +53,28 @@ T = TypeVar("T")
 """Number of a marker, or name of a board."""
 
 
+class _Sighting(NamedTuple):
+    """Place of a landmark in the frame of the rover, from a pose of the graph."""
+
+    key: int
+    point: OdometryPoint
+    place: PlanarGaussian
+
+
 class FieldGraph(Generic[T]):
     """Poses of a rover on a field with landmarks."""
 
-    def __init__(self, surveyed: Mapping[T, PlanarGaussian]) -> None:
+    def __init__(self, surveyed: Mapping[T, PlanarGaussian], reasons: Reasons) -> None:
         """Begin without a pose; ``surveyed`` has the places of the landmarks by the survey."""
-        self._surveyed = surveyed
+        self._surveyed, self._reasons = surveyed, reasons
         self._trusted: frozenset[T] = frozenset()
         self._measured = gtsam.NonlinearFactorGraph()
         self._solver = _solver()
         self._keys: dict[T, int] = {}
+        self._landmarks = 0
         self._seen: Counter[T] = Counter()
+        self._strange: dict[T, list[_Sighting]] = {}
+        self._misfits: Counter[T] = Counter()
         self._last: OdometryPoint | None = None
         self._last_seen: frozenset[T] = frozenset()
         self._last_gps: OdometryPoint | None = None
@@ -72,22 +89,36 @@ class FieldGraph(Generic[T]):
         if len(self._trusted) < _ENOUGH:
             return {}
         return {
-            landmark: self._surveyed[landmark].pose.distance_to(self._place(self._keys[landmark]))
-            for landmark in self._keys
-            if landmark not in self._trusted
+            landmark: self._surveyed[landmark].pose.distance_to(self._place(key))
+            for landmark, key in self._keys.items()
+            if landmark not in self._trusted and self._seen[landmark] >= _SEVERAL
         }
 
+    @property
+    def is_lost(self) -> bool:
+        """True if the pose contradicts the landmarks: several sightings of two, since a trusted one has fitted."""
+        return sum(count >= _SEVERAL for count in self._misfits.values()) >= _ENOUGH
+
+    @property
+    def unknown(self) -> str:
+        """Reason why there is no pose; empty if there is one."""
+        if self._last is None:
+            return "no landmark of the survey has been seen; GPS alone does not tell the direction"
+        if len(self._trusted) >= (needed := min(_ENOUGH, len(self._surveyed) - 1)):
+            return ""
+        seen = ", ".join(sorted(map(str, self._keys.keys() | self._strange.keys())))
+        return (
+            f"{needed} landmarks must agree with the survey, and with the motion by odometry, and {len(self._trusted)} "
+            f"does; seen were {seen}. Drive past more of them, and check the survey, the mounts and the IMU"
+        )
+
     def pose(self, point: OdometryPoint) -> PlanarGaussian | None:
-        """Return the pose on the field at the time of a point of the odometry; None while no two landmarks agree.
+        """Return the pose on the field at the time of a point of the odometry; None while it is `unknown`.
 
         One landmark is enough if the survey has only one or two. The point must not be older than the last image that
         was added.
         """
-        if self._last is None or len(self._trusted) < min(_ENOUGH, len(self._surveyed) - 1):
-            return None
-        last = gtsam.symbol("x", self._poses - 1)
-        state, covariance = self._solver.calculateEstimateVector(last), self._solver.marginalCovariance(last)
-        return self._last.motion_to(point).pose_after(state, covariance)
+        return None if self.unknown else self._predicted(point)
 
     def see(self, detections: Mapping[T, PlanarGaussian], point: OdometryPoint) -> None:
         """Add an image: the places of landmarks in the frame of the rover, and the odometry at its time.
@@ -102,22 +133,93 @@ class FieldGraph(Generic[T]):
             # The landmark that is seen best is believed until others contradict.
             best = min(detections, key=lambda landmark: float(np.trace(detections[landmark].covariance)))
             self._trusted = frozenset({best})
-            start = state_of(self._surveyed[best].pose @ detections[best].pose.inverse(), np.zeros(2))
+            predicted = self._surveyed[best] @ detections[best].inverse()
+            start = state_of(predicted.pose, np.zeros(2))
             factors.add(state_factor(gtsam.symbol("x", 0), 3, start[3:], _ANY_SLIP))
         else:
+            predicted = self._predicted(point)
             start = self._follow(point, factors)
         key = self._add_pose(point, start, values)
+        grown = False
         for landmark, place in detections.items():
-            if landmark not in self._keys:
-                self._keys[landmark] = gtsam.symbol("l", len(self._keys))
-                values.insert(self._keys[landmark], pose2(pose_of(start) @ place.pose))
-            factors.add(detection_factor(key, self._keys[landmark], place.pose, _robust(place.covariance)))
+            sighting = _Sighting(key, point, place)
+            if self._fits(landmark, predicted @ place):
+                self._strange.pop(landmark, None)
+                if landmark in self._trusted:
+                    self._misfits.clear()
+                if landmark not in self._keys:
+                    self._add_landmark(landmark, predicted.pose @ place.pose, values)
+                sightings = [sighting]
+            elif self._is_other(landmark, predicted @ place):
+                continue
+            elif len(sightings := self._agreeing(landmark, sighting)) >= _SEVERAL:
+                del self._strange[landmark]
+                self._trusted -= {landmark}
+                self._add_landmark(landmark, predicted.pose @ place.pose, values)
+                grown = True
+            else:
+                continue
+            self._seen[landmark] += len(sightings)
+            for one in sightings:
+                factors.add(
+                    detection_factor(one.key, self._keys[landmark], one.place.pose, _robust(one.place.covariance))
+                )
+            # Each doubling of what is known about a landmark is a reason to ask again.
+            grown |= _is_power_of_two(self._seen[landmark])
         self._solve(factors, values)
         self._last_seen = frozenset(detections)
-        self._seen.update(detections.keys())
-        # Each doubling of what is known about a landmark is a reason to ask again.
-        if any(_is_power_of_two(self._seen[landmark]) for landmark in detections):
+        if grown:
             self._judge()
+
+    def _known(self, landmark: T) -> PlanarGaussian:
+        """Return the place of a landmark on the field, as far as it is known."""
+        if (key := self._keys.get(landmark)) is None:
+            return self._surveyed[landmark]
+        return PlanarGaussian(self._place(key), self._solver.marginalCovariance(key))
+
+    def _is_other(self, landmark: T, sight: PlanarGaussian) -> bool:
+        """Return true if a place by a sighting is that of another landmark, so that the number is wrong.
+
+        Only the position counts: the yaw is the rotation since the survey of the landmark with this number.
+        """
+        others = (self._known(other) for other in self._trusted & self._keys.keys() if other != landmark)
+        return any(squared_way(other, sight) < gate_limit(2) for other in others)
+
+    def _fits(self, landmark: T, sight: PlanarGaussian) -> bool:
+        """Return true if a place on the field by a sighting is that of the landmark."""
+        known = self._known(landmark)
+        return self._reasons.passes(
+            f"sighting of landmark {landmark} left out: its number may be wrong, or it or the rover was moved",
+            squared_distance(known, sight),
+            3,
+            f"it is {known.pose.distance_to(sight.pose):.2f} m beside its place",
+        )
+
+    def _agreeing(self, landmark: T, sighting: _Sighting) -> list[_Sighting]:
+        """Return the sightings that do not fit what is known, and that agree with the last one by the odometry."""
+        agreeing = [
+            one
+            for one in self._strange.get(landmark, ())
+            if squared_distance(one.place, one.point.motion_to(sighting.point).gaussian @ sighting.place)
+            < gate_limit(3)
+        ]
+        self._strange[landmark] = [*agreeing, sighting]
+        self._misfits[landmark] += 1
+        return self._strange[landmark]
+
+    def _add_landmark(self, landmark: T, place: PlanarPose, values: Any) -> None:
+        """Add a variable for a landmark; one that was moved gets another one."""
+        self._keys[landmark] = gtsam.symbol("l", self._landmarks)
+        self._landmarks += 1
+        self._seen[landmark] = 0
+        values.insert(self._keys[landmark], pose2(place))
+
+    def _predicted(self, point: OdometryPoint) -> PlanarGaussian:
+        """Return the pose at the time of a point of the odometry, from the last pose of the graph."""
+        assert self._last is not None  # noqa: S101  # callers have checked it
+        last = gtsam.symbol("x", self._poses - 1)
+        state, covariance = self._solver.calculateEstimateVector(last), self._solver.marginalCovariance(last)
+        return self._last.motion_to(point).pose_after(state, covariance)
 
     def locate(self, position: Floats, covariance: Floats, point: OdometryPoint) -> None:
         """Add a GPS position (2,) on the field in metres, with its covariance (2, 2) in the axes of the field.
@@ -128,6 +230,16 @@ class FieldGraph(Generic[T]):
         if self._last is None or point.stamp <= self._last.stamp:
             return
         if self._last_gps is not None and self._last_gps.pose.distance_to(point.pose) < _GPS_APART_M:
+            return
+        predicted = self._predicted(point)
+        missed = position - (predicted.pose.x, predicted.pose.y)
+        spread = predicted.outer_covariance[:2, :2] + covariance
+        if not self._reasons.passes(
+            "GPS position left out: it does not fit the pose",
+            float(missed @ np.linalg.solve(spread, missed)),
+            2,
+            f"it is {math.hypot(*missed):.1f} m beside it",
+        ):
             return
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         key = self._add_pose(point, self._follow(point, factors), values)
@@ -184,7 +296,7 @@ class FieldGraph(Generic[T]):
             {landmark: self._place(key) for landmark, key in self._keys.items()},
             lambda landmark, other: joint.at(self._keys[landmark], self._keys[other]),
             self._surveyed,
-            self._trusted,
+            self._last_seen,
         )
         if trusted == self._trusted:
             return
@@ -224,8 +336,12 @@ def _solver() -> Any:
 
 
 def _robust(covariance: Floats) -> Any:
-    noise = gtsam.noiseModel.Gaussian.Covariance(covariance)
-    return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), noise)
+    """Return the noise of an input: Gaussian up to the limit of the gate, beyond which the input counts less and less.
+
+    Source: Agarwal and others, Robust Map Optimization using Dynamic Covariance Scaling, 2013.
+    """
+    noise, limit = gtsam.noiseModel.Gaussian.Covariance(covariance), gate_limit(len(covariance))
+    return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.DCS.Create(limit), noise)
 
 
 def _is_power_of_two(number: int) -> bool:

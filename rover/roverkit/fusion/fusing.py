@@ -21,14 +21,15 @@ from typing import Any
 
 import numpy as np
 
-from roverkit.driving.arcs import PlanarPose
 from roverkit.driving.geodesy import Datum
 from roverkit.fusion.field_graph import FieldGraph
 from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY, TRANSFORM
-from roverkit.fusion.odometry_track import OdometryPoint, OdometryTrack
-from roverkit.fusion.planar_gaussian import PlanarGaussian, is_covariance
+from roverkit.fusion.odometry_track import PLANAR, OdometryPoint, OdometryTrack, UnknownCovariance, point_of
+from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, is_covariance
 from roverkit.fusion.planar_landmarks import planar_detections, surveyed_places
+from roverkit.gating import Reasons
 from roverkit.node.program import connected, json_printer
+from roverkit.node.reason_diagnostics import ReasonDiagnostics
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_messages import UNKNOWN_VARIANCE, pose_of
 from roverkit.vision.camera.cameras_file import read_cameras
@@ -36,7 +37,6 @@ from roverkit.vision.localization.landmarks import Landmarks, read_landmarks
 from roverkit.vision.markers.marker_set import TargetId
 from roverkit.vision.poses.pose import Pose
 from roverkit.vision.poses.transform_tree import TransformError
-from roverlink.runtime.convert.rotations import angles
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
@@ -45,9 +45,13 @@ from roverlink.runtime.interfaces.std_msgs import Header
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 from roverlink.runtime.ros_time.headers import stamp_of
 
-_PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
 _WAITING = 100
 """Images that wait for odometry of their time."""
+_SKEW_NS = 1_000_000_000
+"""Age in nanoseconds that no message has if the clock of its computer is right."""
+_PERIOD_NS = 1_000_000_000
+"""Time in nanoseconds between two looks at what is missing."""
+_RESULT = "pose"
 
 
 def fuse(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logger) -> None:
@@ -61,7 +65,10 @@ def fuse(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logge
         for camera in cameras:
             fusion.receive(f"{camera.name}/{DETECTIONS.name}", camera.mount)
         logger.info("waiting for %s and for landmarks of %s", ros.topic(ODOMETRY.name), arguments.landmarks)
-        threading.Event().wait()
+        while True:
+            now = connection.clock.now()
+            connection.clock.sleep_until(now + _PERIOD_NS, now)
+            fusion.tick()
 
 
 class Fusion:
@@ -72,8 +79,12 @@ class Fusion:
     ) -> None:
         self._connection, self._landmarks, self._logger = connection, landmarks, logger
         self._base, self._datum, self._print = arguments.base_frame, arguments.datum, json_printer(arguments.json)
+        self._clock = connection.clock
         self._lock = threading.Lock()
-        self._said: set[str] = set()
+        self.reasons = Reasons(logger.warning)
+        """Reasons why inputs are left out, and why there is no pose."""
+        self._diagnostics = ReasonDiagnostics(connection, self.reasons)
+        self._odometry_at: int | None = None
         self._start()
         middleware, topic = connection.middleware, connection.topic
         self._fused = FUSED.publisher(middleware, topic)
@@ -93,9 +104,22 @@ class Fusion:
         replace(DETECTIONS, name=name).subscribe(self._connection.middleware, self._connection.topic, take)
 
     def _start(self) -> None:
-        self._track, self._graph = OdometryTrack(), FieldGraph(surveyed_places(self._landmarks))
+        self._track = OdometryTrack()
+        self._begin()
+        self._without_covariance: UnknownCovariance | None = None
         self._waiting: list[tuple[int, Callable[[OdometryPoint], None]]] = []
+
+    def _begin(self) -> None:
+        self._graph = FieldGraph(surveyed_places(self._landmarks), self.reasons)
         self._moved: Mapping[TargetId, float] = {}
+
+    def tick(self) -> None:
+        """Look whether odometry comes, without which there is no pose, and publish the reasons."""
+        with self._lock:
+            now = self._clock.now()
+            if self._odometry_at is None or now - self._odometry_at > _PERIOD_NS:
+                self.reasons.lack(_RESULT, f"no odometry comes on {self._connection.topic(ODOMETRY.name)}", now)
+            self._diagnostics.publish(now)
 
     # --- inputs ---
 
@@ -104,10 +128,11 @@ class Fusion:
             for data in messages:
                 try:
                     message = cdr.decode(Odometry, data)
-                    point = _point_of(message)
+                    point = self._point_of(message)
                 except ConversionError as error:
-                    self._say_once(f"ignoring odometry: {error}")
+                    self.reasons.tell(f"odometry left out: {error}")
                     continue
+                self._odometry_at = self._clock.now()
                 before = self._track.newest
                 if not self._track.add(point):
                     self._logger.warning("the time or the pose of %s has jumped; beginning again", ODOMETRY.name)
@@ -124,26 +149,52 @@ class Fusion:
                     message = cdr.decode(vision_msgs.Detection3DArray, data)
                     stamp, camera = stamp_of(message.header), message.header.frame_id
                     place = mount or self._connection.transforms.look_up(self._base, camera, stamp)
+                    detections = planar_detections(message, place, self._landmarks, self.reasons.tell)
                 except (ConversionError, TransformError) as error:
-                    # Once for each reason: the age in the text changes with every image.
-                    self._say_once(f"ignoring landmarks: {str(error).partition(':')[0]}")
+                    # The age in the text changes with every image.
+                    reason, _, details = str(error).partition(":")
+                    self.reasons.tell(f"landmarks left out: {reason}", details.strip())
                     continue
-                detections = planar_detections(message, place, self._landmarks)
-                self._wait(stamp, partial(self._graph.see, detections))
+                if self._is_ahead("landmarks", stamp):
+                    continue
+                self._wait(stamp, partial(self._see, detections))
 
     def _take_fixes(self, messages: Sequence[bytes]) -> None:
         with self._lock:
             for data in messages:
                 try:
                     fix = cdr.decode(sensor_msgs.NavSatFix, data)
+                    if fix.status.status < sensor_msgs.NavSatStatus.STATUS_FIX:
+                        continue
+                    position, covariance = _on_field(fix, *self._datum)
                 except ConversionError as error:
-                    self._say_once(f"ignoring a GPS position: {error}")
+                    self.reasons.tell(f"GPS position left out: {error}")
                     continue
-                if fix.status.status < sensor_msgs.NavSatStatus.STATUS_FIX:
-                    continue
-                position, covariance = _on_field(fix, *self._datum)
-                if is_covariance(covariance):
-                    self._wait(stamp_of(fix.header), partial(self._graph.locate, position, covariance))
+                if not self._is_ahead("GPS positions", stamp := stamp_of(fix.header)):
+                    self._wait(stamp, partial(self._locate, position, covariance))
+
+    def _is_ahead(self, what: str, stamp: int) -> bool:
+        """Return true, and count it, if a stamp is ahead of the own clock. Say so if it is long ago."""
+        age = self._clock.now() - stamp
+        if age > _SKEW_NS:
+            self.reasons.note(f"{what} come late; is the clock of their computer right?", f"{age / 1e9:.1f} s")
+        if age < -_SKEW_NS:
+            self.reasons.tell(
+                f"{what} left out: the stamp is in the future; is the clock of their computer right?",
+                f"{-age / 1e9:.1f} s ahead",
+            )
+        return age < -_SKEW_NS
+
+    def _point_of(self, message: Odometry) -> OdometryPoint:
+        """Return the odometry of a message; see `point_of`. A covariance of zeros is unknown by ROS 2's convention."""
+        point = point_of(message)
+        if any(message.pose.covariance):
+            self._without_covariance = None
+            return point
+        self.reasons.note("odometry without covariance", "that of wheel odometry without an IMU is taken")
+        if self._without_covariance is None:
+            self._without_covariance = UnknownCovariance(point.pose)
+        return replace(point, covariance=self._without_covariance.at(point.pose))
 
     def _wait(self, stamp: int, use: Callable[[OdometryPoint], None]) -> None:
         """Use a measurement with the odometry of its time, which comes later if its message takes longer."""
@@ -152,6 +203,19 @@ class Fusion:
         del self._waiting[:-_WAITING]
         if (newest := self._track.newest) is not None:
             self._catch_up(newest.stamp)
+
+    def _see(self, detections: Mapping[TargetId, PlanarGaussian], point: OdometryPoint) -> None:
+        self._graph.see(detections, point)
+        if self._graph.is_lost:
+            self.reasons.tell(
+                "no landmark fits any more: the wheels slip more than `slip` says, the rover was pushed, the gyroscope "
+                "has another bias or scale, or the mount of a camera is wrong; beginning again"
+            )
+            self._begin()
+            self._graph.see(detections, point)
+
+    def _locate(self, position: Floats, covariance: Floats, point: OdometryPoint) -> None:
+        self._graph.locate(position, covariance, point)
 
     def _catch_up(self, now: int) -> None:
         """Use the measurements for whose times the odometry is known."""
@@ -166,7 +230,9 @@ class Fusion:
     def _publish(self, point: OdometryPoint, odometry: Odometry) -> None:
         place = self._graph.pose(point)
         if place is None:
+            self.reasons.lack(_RESULT, self._graph.unknown, self._clock.now())
             return
+        self.reasons.give(_RESULT)
         header = Header(odometry.header.stamp, self._landmarks.frame)
         self._fused.publish([cdr.encode(Odometry(header, odometry.child_frame_id, _pose_of(place), odometry.twist))])
         shift = place.pose @ point.pose.inverse()
@@ -191,41 +257,23 @@ class Fusion:
             self._logger.info("landmark %s is used again", name)
         self._moved = moved
 
-    def _say_once(self, text: str) -> None:
-        if text not in self._said:
-            self._said.add(text)
-            self._logger.warning("%s", text)
-
-
-def _point_of(message: Odometry) -> OdometryPoint:
-    """Return the odometry of a message. Raises `ConversionError` if it has no usable pose or covariance.
-
-    By ROS 2's convention, a variance of 0 is unknown.
-    """
-    place = message.pose.pose
-    covariance = np.reshape(message.pose.covariance, (6, 6))[_PLANAR]
-    turning = message.twist.covariance[-1] or UNKNOWN_VARIANCE
-    numbers = [place.position.x, place.position.y, *covariance.ravel().tolist(), turning]
-    if not all(map(math.isfinite, numbers)) or turning < 0 or not stamp_of(message.header):
-        raise ConversionError("it has no stamp, or a value that is not a number")
-    pose = PlanarPose(place.position.x, place.position.y, angles(place.orientation)[2])
-    return OdometryPoint(stamp_of(message.header), pose, covariance, turning)
-
 
 def _on_field(fix: sensor_msgs.NavSatFix, latitude: float, longitude: float, heading: float) -> tuple[Any, Any]:
     """Return the position (2,) of a GPS receiver on the field, and its covariance (2, 2).
 
     The datum is the origin of the field; ``heading`` is the direction of the field's x axis in radians,
-    counterclockwise from the east.
+    counterclockwise from the east. Raises `ConversionError` for values that are no numbers, and without a covariance.
     """
+    covariance = np.reshape(fix.position_covariance, (3, 3))[:2, :2]
+    if not (math.isfinite(fix.latitude) and math.isfinite(fix.longitude) and is_covariance(covariance)):
+        raise ConversionError("it has no position or no covariance")
     cosine, sine = math.cos(heading), math.sin(heading)
     to_field = np.array([[cosine, sine], [-sine, cosine]])
     east_north = np.array(Datum(latitude, longitude).planar(fix.latitude, fix.longitude))
-    covariance = np.reshape(fix.position_covariance, (3, 3))[:2, :2]
     return to_field @ east_north, to_field @ covariance @ to_field.T
 
 
 def _pose_of(place: PlanarGaussian) -> geometry_msgs.PoseWithCovariance:
     covariance = np.diag([UNKNOWN_VARIANCE] * 6)
-    covariance[_PLANAR] = place.outer_covariance
+    covariance[PLANAR] = place.outer_covariance
     return geometry_msgs.PoseWithCovariance(pose_of(place.pose), covariance.ravel().tolist())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from roverkit.aruco import tracker_declaration
-from roverkit.node.shared_topics import LISTENED_TRANSFORMS, transforms
+from roverkit.node.shared_topics import DIAGNOSTICS, LISTENED_TRANSFORMS, transforms
 from roverkit.odometry import odometry_declaration
 from roverlink.nodes import Direction, NodeDeclaration, Topic
 from roverlink.runtime.core.handler import Qos
@@ -30,6 +30,6 @@ FUSED = Topic(
 TRANSFORM = transforms("transform from `map` to `odom`")
 NODE = NodeDeclaration(
     "fusion",
-    (ODOMETRY, DETECTIONS, FIX, *LISTENED_TRANSFORMS, FUSED, TRANSFORM),
+    (ODOMETRY, DETECTIONS, FIX, *LISTENED_TRANSFORMS, FUSED, TRANSFORM, DIAGNOSTICS),
     other_topics=("<camera>/aruco/detections",),
 )

@@ -11,14 +11,9 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from itertools import combinations
 from typing import TypeVar
 
-import numpy as np
-
 from roverkit.driving.arcs import PlanarPose
-from roverkit.fusion.gtsam_library import gtsam
-from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, adjoint
-
-_LIMIT = 16.27
-"""Chi squared with 3 degrees of freedom that is exceeded once in a thousand cases."""
+from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, adjoint, squared_distance
+from roverkit.gating import gate_limit
 
 T = TypeVar("T")
 
@@ -40,9 +35,8 @@ def agreeing(
         carried = adjoint(by_sight.inverse())
         mixed = carried @ covariance(landmark, other)
         spread = covariance(other, other) + carried @ covariance(landmark, landmark) @ carried.T - mixed - mixed.T
-        by_survey = PlanarGaussian(surveyed[landmark].pose.inverse(), _of_inverse(surveyed[landmark])) @ surveyed[other]
-        missed = _difference(by_survey.pose, by_sight)
-        if missed @ np.linalg.solve(spread + by_survey.covariance, missed) < _LIMIT:
+        by_survey = surveyed[landmark].inverse() @ surveyed[other]
+        if squared_distance(by_survey, PlanarGaussian(by_sight, spread)) < gate_limit(3):
             friends[landmark] |= {other}
             friends[other] |= {landmark}
     order = list(seen)
@@ -50,18 +44,6 @@ def agreeing(
         _cliques(frozenset(), frozenset(seen), frozenset(), friends),
         key=lambda found: (len(found), len(found & set(preferred)), [landmark in found for landmark in order]),
     )
-
-
-def _of_inverse(known: PlanarGaussian) -> Floats:
-    turned = adjoint(known.pose)
-    covariance: Floats = turned @ known.covariance @ turned.T
-    return covariance
-
-
-def _difference(pose: PlanarPose, other: PlanarPose) -> Floats:
-    apart = pose.inverse() @ other
-    difference: Floats = gtsam.Pose2.Logmap(gtsam.Pose2(apart.x, apart.y, apart.yaw))
-    return difference
 
 
 def _cliques(

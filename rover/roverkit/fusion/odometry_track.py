@@ -12,7 +12,16 @@ import numpy as np
 from roverkit.driving.arcs import PlanarPose
 from roverkit.fusion.planar_gaussian import Floats, rotation
 from roverkit.fusion.slipping_motion import SlippingMotion, slipping_motion
+from roverkit.odometry.dead_reckoning import OdometryNoise
+from roverkit.odometry.odometry_messages import UNKNOWN_VARIANCE
+from roverkit.odometry.wheel_odometry import SPEED_DEVIATION
+from roverlink.runtime.convert.rotations import angles
+from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.interfaces.nav_msgs import Odometry
+from roverlink.runtime.ros_time.headers import stamp_of
 
+PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
+"""Rows and columns of x, y and yaw in a covariance of a message."""
 KEPT_NS = 10_000_000_000
 """Time in nanoseconds for which odometry is kept."""
 _FASTEST = 5.0
@@ -35,6 +44,10 @@ class OdometryPoint:
     """Distance in metres that the rover has driven since the track began; the track sets it."""
     turn_deviation: float = 0.0
     """Integral of the angular velocity's standard deviation since the track began, in radians; the track sets it."""
+    slip: float = math.nan
+    """Variance of the relative error of the speed; not a number if it is not known."""
+    slipped: float = 0.0
+    """Variance of the distance since the track began, in m^2; the track sets it."""
 
     def motion_to(self, later: OdometryPoint) -> SlippingMotion:
         """Return the motion from this point to a later one of the same track.
@@ -43,9 +56,10 @@ class OdometryPoint:
         turned the motion. Hence the part of the later covariance that does not follow from the earlier one is that of
         the motion.
 
-        For the yaw, this is too much if the gyroscope has a bias: the error of the motion is correlated with the one
-        before it, so the variance of the sum grows faster and faster. But the error of the turn is no larger than the
-        integral of that of the angular velocity.
+        This is wrong for errors that stay the same, such as the bias and the scale of a gyroscope and the mean slip:
+        with them, the variance grows faster and faster, and becomes smaller on the way back. Hence the variance of the
+        distance is that of the speed, and the error of the turn is no larger than the integral of that of the angular
+        velocity.
         """
         turned = np.eye(3)
         turned[0, 2], turned[1, 2] = self.pose.y - later.pose.y, later.pose.x - self.pose.x
@@ -55,6 +69,8 @@ class OdometryPoint:
         if own[2, 2] > most**2:
             narrowed = np.diag([1, 1, most / math.sqrt(own[2, 2])])
             own = narrowed @ own @ narrowed
+        if not math.isnan(later.slip):
+            own = np.diag([later.slipped - self.slipped, *own.diagonal()[1:]])
         return slipping_motion(self.pose.inverse() @ later.pose, own, later.rolled - self.rolled)
 
 
@@ -82,8 +98,15 @@ class OdometryTrack:
             return False
         if newest is not None:
             deviation = math.sqrt(point.yaw_rate_variance) * (point.stamp - newest.stamp) / 1e9
-            rolled = newest.rolled + newest.pose.distance_to(point.pose)
-            point = replace(point, rolled=rolled, turn_deviation=newest.turn_deviation + deviation)
+            distance = newest.pose.distance_to(point.pose)
+            slip = newest.slip if math.isnan(point.slip) else point.slip
+            point = replace(
+                point,
+                slip=slip,
+                rolled=newest.rolled + distance,
+                turn_deviation=newest.turn_deviation + deviation,
+                slipped=newest.slipped + (0.0 if math.isnan(slip) else slip * distance),
+            )
         self._points.append(point)
         del self._points[: bisect_left(self._points, point.stamp - KEPT_NS, key=attrgetter("stamp"))]
         return True
@@ -113,6 +136,8 @@ class OdometryTrack:
             after.yaw_rate_variance,
             before.rolled + part * (after.rolled - before.rolled),
             before.turn_deviation + part * (after.turn_deviation - before.turn_deviation),
+            after.slip,
+            before.slipped + part * (after.slipped - before.slipped),
         )
 
 
@@ -121,3 +146,40 @@ def _is_jump(before: OdometryPoint, after: OdometryPoint) -> bool:
     farthest = _FASTEST * (after.stamp - before.stamp) / 1e9
     turn = math.remainder(after.pose.yaw - before.pose.yaw, 2 * math.pi)
     return before.pose.distance_to(after.pose) > farthest or abs(turn) > farthest
+
+
+class UnknownCovariance:
+    """Covariance of odometry whose messages have none: that of wheel odometry without an IMU (`OdometryNoise`)."""
+
+    def __init__(self, pose: PlanarPose) -> None:
+        """Begin at a pose."""
+        self._pose, self._covariance = pose, np.zeros((3, 3))
+
+    def at(self, pose: PlanarPose) -> Floats:
+        """Return the covariance (3, 3) at the next pose, in the axes of the frame of the odometry."""
+        noise, motion = OdometryNoise(), self._pose.inverse() @ pose
+        distance, turn = math.hypot(motion.x, motion.y), math.remainder(motion.yaw, 2 * math.pi)
+        own = np.diag([noise.slip**2, noise.side_slip**2, noise.yaw_slip**2]) * distance
+        own[2, 2] += (noise.slip * turn) ** 2
+        carried = np.eye(3)
+        carried[0, 2], carried[1, 2] = self._pose.y - pose.y, pose.x - self._pose.x
+        turned = rotation(pose.yaw)
+        self._pose, self._covariance = pose, carried @ self._covariance @ carried.T + turned @ own @ turned.T
+        return self._covariance
+
+
+def point_of(message: Odometry) -> OdometryPoint:
+    """Return the odometry of a message. Raises `ConversionError` if it has no usable pose or covariance.
+
+    By ROS 2's convention, a variance of 0 is unknown.
+    """
+    place = message.pose.pose
+    covariance = np.reshape(message.pose.covariance, (6, 6))[PLANAR]
+    turning = message.twist.covariance[-1] or UNKNOWN_VARIANCE
+    pose = PlanarPose(place.position.x, place.position.y, angles(place.orientation)[2])
+    numbers = [pose.x, pose.y, pose.yaw, *covariance.ravel().tolist(), turning]
+    if not all(map(math.isfinite, numbers)) or turning < 0 or not stamp_of(message.header):
+        raise ConversionError("it has no stamp, or a value that is not a number")
+    speed, of_speed = message.twist.twist.linear.x, message.twist.covariance[0] - SPEED_DEVIATION**2
+    slip = of_speed / speed**2 if speed and of_speed > 0 else math.nan
+    return OdometryPoint(stamp_of(message.header), pose, covariance, turning, slip=slip)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roverkit.driving.arcs import PlanarPose
+from roverkit.fusion.gtsam_library import gtsam
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +28,11 @@ class PlanarGaussian:
         """Return the pose, in the outer frame, of what has the pose ``other`` in this frame; errors are independent."""
         carried = adjoint(other.pose.inverse())
         return PlanarGaussian(self.pose @ other.pose, carried @ self.covariance @ carried.T + other.covariance)
+
+    def inverse(self) -> PlanarGaussian:
+        """Return the pose of the outer frame in this frame."""
+        turned = adjoint(self.pose)
+        return PlanarGaussian(self.pose.inverse(), turned @ self.covariance @ turned.T)
 
     @property
     def outer_covariance(self) -> Floats:
@@ -52,3 +58,19 @@ def rotation(yaw: float) -> Floats:
 def is_covariance(matrix: Floats) -> bool:
     """Return true if a symmetric matrix is finite and positive definite, so that no error is impossible."""
     return bool(np.isfinite(matrix).all()) and bool((np.linalg.eigvalsh(matrix) > 0).all())
+
+
+def squared_distance(one: PlanarGaussian, other: PlanarGaussian) -> float:
+    """Return the squared difference of two poses over the sum of their covariances.
+
+    It is chi squared with 3 degrees of freedom if both are estimates of the same pose, with independent errors.
+    """
+    apart = one.pose.inverse() @ other.pose
+    missed = gtsam.Pose2.Logmap(gtsam.Pose2(apart.x, apart.y, apart.yaw))
+    return float(missed @ np.linalg.solve(one.covariance + other.covariance, missed))
+
+
+def squared_way(one: PlanarGaussian, other: PlanarGaussian) -> float:
+    """Return the same for the positions alone; it is chi squared with 2 degrees of freedom."""
+    way = np.array([other.pose.x - one.pose.x, other.pose.y - one.pose.y])
+    return float(way @ np.linalg.solve((one.outer_covariance + other.outer_covariance)[:2, :2], way))

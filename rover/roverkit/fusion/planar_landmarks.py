@@ -7,6 +7,8 @@ is its rotation about the vertical since the survey. So a landmark on the ground
 from __future__ import annotations
 
 import math
+from collections import Counter
+from collections.abc import Callable
 
 import numpy as np
 
@@ -33,19 +35,24 @@ def surveyed_places(landmarks: Landmarks) -> dict[TargetId, PlanarGaussian]:
 
 
 def planar_detections(
-    message: vision_msgs.Detection3DArray, mount: Pose, landmarks: Landmarks
+    message: vision_msgs.Detection3DArray,
+    mount: Pose,
+    landmarks: Landmarks,
+    leave_out: Callable[[str], None] = lambda _: None,
 ) -> dict[TargetId, PlanarGaussian]:
     """Return the places of the surveyed landmarks in a message of ``roverlink aruco track``, in the rover's frame.
 
     ``mount`` is the transform from the camera's frame to the rover's. Markers that share a number are left out, and
-    those without a covariance.
+    those without a usable pose or covariance; ``leave_out`` is called with the reason for the latter.
     """
     names = {str(name): name for name in landmarks.places}
+    numbers = Counter(detection.results[0].hypothesis.class_id for detection in message.detections if detection.results)
     detections = {}
     for detection in message.detections:
         if (
             not detection.id
             or not detection.results
+            or numbers[detection.results[0].hypothesis.class_id] > 1
             or (name := names.get(detection.results[0].hypothesis.class_id)) is None
         ):
             continue
@@ -58,8 +65,10 @@ def planar_detections(
         covariance = (turned @ np.reshape(seen.covariance, (6, 6)) @ turned.T)[_PLANAR]
         own = rotation(yaw).T @ covariance @ rotation(yaw)
         x, y, _ = place.translation.tolist()
-        if is_covariance(own):
+        if is_covariance(own) and math.isfinite(x + y + yaw):
             detections[name] = PlanarGaussian(PlanarPose(x, y, yaw), own)
+        else:
+            leave_out(f"sighting of landmark {name} left out: it has no pose or no covariance")
     return detections
 
 

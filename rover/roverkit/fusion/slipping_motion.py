@@ -57,6 +57,11 @@ class SlippingMotion:
         slip = start[3:]
         return state_of(pose_of(start) @ self.pose @ PlanarPose(*(self.by_slip @ slip).tolist()), self.kept * slip)
 
+    @property
+    def gaussian(self) -> PlanarGaussian:
+        """Pose of the end in the frame of the start if nothing is known about the slip."""
+        return self.pose_after(np.zeros(STATES), np.diag([0.0, 0, 0, 1, 1]))
+
     def pose_after(self, start: Floats, covariance: Floats) -> PlanarGaussian:
         """Return the pose at the end from the state at the start with its covariance (5, 5), in the outer axes."""
         carried = np.hstack([adjoint(self.pose.inverse()) @ rotation(start[2]).T, self.by_slip])

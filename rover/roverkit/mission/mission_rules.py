@@ -33,6 +33,7 @@ class Outcome(enum.Enum):
     REFUSED = "Nav2 refused it; is it active?"
     FAILED = "Nav2 could not reach it"
     TIMED_OUT = "it took too long"
+    GONE = "Nav2 is dead: its server has disappeared, or has said nothing for 5 s"
 
 
 class State(enum.Enum):

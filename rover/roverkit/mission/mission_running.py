@@ -43,10 +43,14 @@ def run_mission(arguments: argparse.Namespace, ros: RosArguments, logger: loggin
         publish = progress_publisher(middleware, registry, connection.topic, len(mission.goals))
         reporting = Reporting(logger, output, publish, len(mission.goals), as_json=arguments.json)
         rover = Nav2Rover(connection, mission, rows, arguments.base_frame, reporting.show_distance, logger.warning)
-        rover.wait_until_ready(arguments.wait)
-        reporting.take(Report(State.WAITING, 0, "waiting until the operator hands over the rover (MODE_AUTO)"))
-        rover.wait_for_handover()
-        return MissionRun(mission, rover, reporting.take).run()
+        try:
+            rover.wait_until_ready(arguments.wait)
+            reporting.take(Report(State.WAITING, 0, "waiting until the operator hands over the rover (MODE_AUTO)"))
+            rover.wait_for_handover()
+            return MissionRun(mission, rover, reporting.take).run()
+        except KeyboardInterrupt:
+            reporting.stop("this program was interrupted")
+            raise
 
 
 class Reporting:
@@ -75,6 +79,10 @@ class Reporting:
             std_msgs.String(f"{report.state.value} {report.goal}" if report.goal else report.state.value)
         )
         self._tell(report)
+
+    def stop(self, message: str) -> None:
+        """Report that the mission ends before its last goal."""
+        self.take(Report(State.STOPPED, self._last.goal, message))
 
     def show_distance(self, distance: float) -> None:
         """Report the metres that are left to the place to which the rover drives."""

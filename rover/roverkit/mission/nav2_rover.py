@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -25,6 +26,7 @@ from roverlink.runtime.middleware.rclpy_actions import GoalEnd, RclpyAction
 _STEP_S = 0.1  # longest time between two looks at the clock, which may be that of a simulation
 _BACK_UP_SPEED = 0.2  # m/s
 _SERVER_S = 5.0  # longest time in seconds for a server that is found, or that was started again
+_FEEDBACK_S = 5.0  # longest time in seconds between two messages of feedback, of which Nav2 sends several a second
 _ANSWER_S = 5.0  # longest time in seconds for the end of a goal that was cancelled
 _POSE_S = 5.0  # longest time in seconds without the rover's pose
 _OUTCOMES = {
@@ -68,6 +70,7 @@ class Nav2Rover:
         self._news = threading.Condition()
         self._automatic = self._handed_over = self._taken_over = False
         self._left: float | None = None
+        self._heard_at: float | None = None
         self._seen: Counter[str] = Counter()
         middleware = cast(RclpyMiddleware, connection.middleware)
         self._navigate = middleware.action(NavigateToPose, self._topic(NAVIGATE.name))
@@ -133,10 +136,11 @@ class Nav2Rover:
     def _execute(self, action: RclpyAction, goal: Any, timeout: float) -> Outcome:
         """Send a goal to Nav2 and wait for its end; cancel it if it takes too long, or if the mission ends.
 
-        A goal whose server disappears has failed.
+        Nav2 is dead if its server disappears, or if its feedback ends: a killed server stays known for some time.
         """
         if not self._until(action.has_server, _SERVER_S):
-            return Outcome.REFUSED
+            return Outcome.GONE
+        self._heard_at = None
         ends: list[GoalEnd] = []
 
         def end(how: GoalEnd) -> None:
@@ -144,8 +148,12 @@ class Nav2Rover:
                 ends.append(how)
                 self._news.notify_all()
 
+        def is_gone() -> bool:
+            silent = self._heard_at is not None and time.monotonic() - self._heard_at > _FEEDBACK_S
+            return silent or not action.has_server()
+
         def is_over() -> bool:
-            return bool(ends) or not action.has_server()
+            return bool(ends) or is_gone()
 
         sent = action.send(goal, self._take_feedback, end)
         is_late = True
@@ -153,14 +161,17 @@ class Nav2Rover:
             is_late = not self._until(is_over, timeout)
         finally:
             if not ends:
-                sent.cancel()
+                sent.cancel(self._warn_of_refusal)
                 with self._news:
                     self._news.wait_for(is_over, _ANSWER_S)
         if is_late and ends != [GoalEnd.SUCCEEDED]:
             return Outcome.TIMED_OUT
         if ends == [GoalEnd.CANCELED]:
             raise MissionStoppedError("another program has cancelled the goal")
-        return _OUTCOMES[ends[0]] if ends else Outcome.FAILED
+        return _OUTCOMES[ends[0]] if ends else Outcome.GONE
+
+    def _warn_of_refusal(self) -> None:
+        self._warn("Nav2 refused to cancel the goal: the rover may drive on; stop it with MODE_MANUAL")
 
     def _until(self, condition: Callable[[], bool], seconds: float) -> bool:
         """Wait until a condition is true; return false if it is not after a time in seconds.
@@ -230,4 +241,5 @@ class Nav2Rover:
 
     def _take_feedback(self, feedback: Any) -> None:
         with self._news:
+            self._heard_at = time.monotonic()
             self._left = getattr(feedback, "distance_remaining", None)  # BackUp has none

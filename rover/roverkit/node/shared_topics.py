@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from roverlink.nodes import Direction, Topic
 from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.interfaces.tf2_msgs import TFMessage
 
 _TF = Qos(depth=100)  # the depth of tf2's broadcaster and listener
@@ -17,6 +18,14 @@ STATIC_TRANSFORMS = Topic(
 )
 LISTENED_TRANSFORMS = (RECEIVED_TRANSFORMS, STATIC_TRANSFORMS)
 """Topics of a node that looks up transforms."""
+
+DIAGNOSTICS = Topic(
+    "/diagnostics",
+    (DiagnosticArray,),
+    Direction.PUBLISHED,
+    "once a second: why results are missing, and how many inputs were left out, by the reason",
+    Qos(depth=10),
+)
 
 
 def transforms(meaning: str) -> Topic:

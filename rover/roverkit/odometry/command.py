@@ -16,16 +16,24 @@ Example: roverlink odometry --ros-args -p publish_tf:=false
 from __future__ import annotations
 
 import argparse
+import math
 
 from roverkit.node.program import node_arguments
 from roverkit.odometry.odometry_declaration import NODE
-from roverlink.console import OK, Subparsers, add_middleware, add_project, documented_command
+from roverlink.console import OK, Subparsers, add_middleware, add_project, documented_command, parsed_number
 
 
 def add(commands: Subparsers) -> None:
     """Add the command and its options to the command line."""
     parser = documented_command(commands, __name__, __doc__, name="odometry")
     parser.add_argument("--json", action="store_true", help="print each pose as a JSON object, in metres and radians")
+    parser.add_argument(
+        "--tape",
+        type=_length,
+        metavar="METRES",
+        help="compute the parameters distance_scale, mean_slip and slip from drives along a tape: the rover stands at "
+        "its start, drives straight to its end, and stands there",
+    )
     add_middleware(parser)
     add_project(parser)
     parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
@@ -38,3 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     publish_odometry(arguments, ros, logger)
     return OK
+
+
+def _length(text: str) -> float:
+    return parsed_number(text, float, lambda length: 0 < length < math.inf, "a length in metres, such as 4")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 
 from roverkit.driving import drive_declaration
-from roverkit.node.shared_topics import transforms
+from roverkit.node import shared_topics
 from roverkit.odometry.dead_reckoning import OdometryNoise
 from roverlink.nodes import Direction, NodeDeclaration, Parameter, RowTopic, Topic, Transform
 from roverlink.runtime.core.handler import Qos
@@ -38,7 +38,7 @@ ODOMETRY = Topic(
     Direction.PUBLISHED,
     "pose in the frame `odom`, velocity in `base_link`, and their covariances",
 )
-TRANSFORM = transforms("transform from `odom` to `base_link`, unless `publish_tf` is false")
+TRANSFORM = shared_topics.transforms("transform from `odom` to `base_link`, unless `publish_tf` is false")
 
 _NOISE = asdict(OdometryNoise())
 _FRAME = Parameter("odom_frame", str, "frame in which the pose of the rover is", "odom")
@@ -51,7 +51,7 @@ _PUBLISH = Parameter(
 )
 NODE = NodeDeclaration(
     "odometry",
-    (COMMAND, PROGRESS, DIAGNOSTICS, IMU, ODOMETRY, TRANSFORM),
+    (COMMAND, PROGRESS, DIAGNOSTICS, IMU, ODOMETRY, TRANSFORM, shared_topics.DIAGNOSTICS),
     (
         _FRAME,
         _BASE,
@@ -59,6 +59,12 @@ NODE = NodeDeclaration(
         Parameter("smallest_radius", float, "smallest turning radius of the driving board in metres", 1.0),
         Parameter(
             "straight_radius", float, "turning_radius in metres that the driving board takes for a straight line", 0.0
+        ),
+        Parameter(
+            "distance_scale",
+            float,
+            "true distance, as a part of the distance that the driving board reports; `--tape` measures it",
+            1.0,
         ),
         Parameter("slip", float, "standard deviation of the distance in metres, after one metre", _NOISE["slip"]),
         Parameter(
@@ -73,9 +79,16 @@ NODE = NodeDeclaration(
             "standard deviation of the turn in radians, after one metre without an IMU",
             _NOISE["yaw_slip"],
         ),
+        Parameter(
+            "mean_slip",
+            float,
+            "standard deviation of the mean of the slip, as a part of the distance; smaller after a tape test",
+            _NOISE["mean_slip"],
+        ),
         Parameter("gyro_noise", float, "noise density of the gyroscope, in rad/s per √Hz", _NOISE["gyro_noise"]),
         Parameter("gyro_bias", float, "standard deviation of its bias at the start, in rad/s", _NOISE["gyro_bias"]),
         Parameter("gyro_bias_walk", float, "change of its bias in rad/s, after one second", _NOISE["gyro_bias_walk"]),
+        Parameter("gyro_scale", float, "standard deviation of its relative scale error", _NOISE["gyro_scale"]),
     ),
     transforms=(Transform(_FRAME, _BASE, _PUBLISH),),
 )

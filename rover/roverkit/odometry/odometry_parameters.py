@@ -23,6 +23,7 @@ class OdometrySettings:
     odom_frame: str
     base_frame: str
     publish_tf: bool
+    distance_scale: float
     board: DrivingBoard
     noise: OdometryNoise
 
@@ -45,6 +46,7 @@ def _read(values: Mapping[str, Any]) -> OdometrySettings:
     return OdometrySettings(
         *frames,
         values["publish_tf"],
+        values["distance_scale"],
         DrivingBoard(values["smallest_radius"], straight_radius=values["straight_radius"]),
         OdometryNoise(**{field.name: values[field.name] for field in fields(OdometryNoise)}),
     )

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from roverkit.driving.arcs import Arc
 from roverkit.odometry.distance_rate import DistanceRate
@@ -55,6 +55,14 @@ _ROLLS_OUT_S = 1.0
 """Longest time that the rover rolls after a stop."""
 _MEASURABLE_S = 0.01
 """Shortest time for which a speed is computed."""
+_GUESS = 0.03
+"""Standard deviation of the relative error of distances that no report contains."""
+_DELAY_S = 0.0025
+"""Standard deviation of the time at which a command takes effect: half of the usual period of a board, 5 ms."""
+_ALIKE = 10
+"""Number of changes of the command whose errors are alike."""
+_COMPARED, _NO_STEP_M = 50, 1e-6
+"""Number of reports that are compared to find their step, and the distance in metres that rounding of numbers makes."""
 _REPORT_DEVIATION_M = 0.001
 """Standard deviation of the distance in a report, because of its rounding and of its time."""
 
@@ -67,12 +75,17 @@ class Rolled:
     until: int
     distance: float = 0.0
     """Distance in metres, negative backwards."""
-    guessed: float = 0.0
-    """Part of the distance that no report contains, and that was computed from the speed."""
+    unsure: float = 0.0
+    """Standard deviation in metres of the error that is the same at each change of the command (`_at_changes`)."""
     variance: float = 0.0
-    """Variance in m^2 of this part, because of the times of the messages and of accelerations."""
+    """Variance in m^2 of the part that no report contains, because of the times of messages and of accelerations."""
     curvature: float | None = 0.0
     """Curvature in 1/m of the command that the board drives; None if the command is not known."""
+
+    def scaled(self, scale: float) -> Rolled:
+        """Return the distance times a scale."""
+        distance, unsure, variance = self.distance * scale, self.unsure * scale, self.variance * scale**2
+        return replace(self, distance=distance, unsure=unsure, variance=variance)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +107,7 @@ class _Explanation:
     command: _Command
     distance: float
     guessed: float = 0.0
+    """Part of the distance that no report contains, and that was computed from the speed."""
     variance: float = 0.0
 
 
@@ -105,6 +119,9 @@ class RolledDistance:
         self._unclear = 0
         self.ignored = 0
         """Number of reports that were ignored."""
+        self._lefts = deque[float](maxlen=_COMPARED)
+        self._smallest = math.inf
+        """Smallest difference in metres between two reports that came soon after each other."""
         self._motors = WheelMotors()
         self._by_time = DistanceRate(SPEED_LIMIT)
         self._sent = deque[_Command](maxlen=100)
@@ -314,12 +331,38 @@ class RolledDistance:
             self._by_time.drift(min(ACCELERATION * _seconds(since, now), SPEED_LIMIT))
         if taken.distance:
             self._moved_at = now
+        if left:
+            self._compare(left)
+        unsure, variance = math.copysign(self._at_changes(taken), taken.distance), taken.variance
+        if command is not self._command:
+            variance += _ALIKE * unsure**2
         if taken.distance and left:  # after a stop, a correction may be backwards
             self._last_distance = taken.distance
         while command in self._sent and self._sent.popleft() is not command:
             pass
         self._at, self._left, self._command, self._strange = now, left, command, None
-        return Rolled(since, now, taken.distance, taken.guessed, taken.variance, command.curvature)
+        return Rolled(since, now, taken.distance, unsure, variance, command.curvature)
+
+    def _compare(self, left: float) -> None:
+        """Compare a report with others: those of a board that rounds differ by multiples of its step."""
+        self._smallest = min(
+            [self._smallest, *(apart for one in self._lefts if (apart := abs(left - one)) > _NO_STEP_M)]
+        )
+        self._lefts.append(left)
+
+    def _at_changes(self, taken: _Explanation) -> float:
+        """Return the standard deviation in metres of an error that cannot be known, because it hardly changes.
+
+        If commands and reports have nearly the same rate, each change of the command comes at the same time before a
+        report. Then the error of the delay, the rounding of the last report and of the first one after the change, and
+        the error of the speed are the same each time, and add up. How long this lasts is not known either: so it counts
+        once as an error that never changes, and once as one that is alike for some changes.
+        """
+        if taken.command is self._command:
+            return _GUESS * taken.guessed
+        # Two roundings, each with an error of the step divided by the root of 12.
+        step = self._smallest if len(self._lefts) == _COMPARED else 0.0
+        return math.hypot(_GUESS * taken.guessed, _DELAY_S * self.speed, step / math.sqrt(6))
 
     def _learn(self, since: int, now: int, left: float, taken: _Explanation) -> None:
         """Learn the speed from what is exact in an explanation."""

@@ -6,9 +6,11 @@ turn comes from the curvature of the commands, which is far less exact.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from roverkit.driving.arcs import Arc, PlanarPose
+from roverkit.gating import Reasons
 from roverkit.odometry.dead_reckoning import DeadReckoning, Matrix, OdometryNoise
 from roverkit.odometry.odometer import OdometerDistance
 from roverkit.odometry.rolled_distance import Rolled, RolledDistance
@@ -23,7 +25,12 @@ _STEERING_M = 0.1
 """Distance in metres that the rover drives until its wheels have the curvature of a new command."""
 _UNKNOWN_CURVATURE = 1.0
 """Standard deviation of the turn in radians, after one metre of a command that is not known."""
-_SPEED_DEVIATION = 0.01
+_COMPARED_M = 1.0
+"""Distance in metres after which the gyroscope is compared with the steering: far more than the slip's correlation."""
+_WATCHED_M = 5.0
+"""Distance in metres over which the errors that cannot be known are compared with the slip."""
+_BIAS = "bias of the gyroscope"
+SPEED_DEVIATION = 0.01
 """Standard deviation in m/s of the speed between two reports, beyond slip."""
 
 
@@ -47,9 +54,13 @@ class OdometryEstimate:
 class WheelOdometry:
     """Odometry; all times are in nanoseconds of one clock."""
 
-    def __init__(self, noise: OdometryNoise | None = None, *, has_odometer: bool = False) -> None:
+    def __init__(
+        self, noise: OdometryNoise | None = None, reasons: Reasons | None = None, *, has_odometer: bool = False
+    ) -> None:
         """``has_odometer`` is true if the driving board reports its odometer, so that no distance is estimated."""
-        self._reckoning = DeadReckoning(noise or OdometryNoise())
+        self.reasons = reasons or Reasons()
+        """Reasons why inputs are left out, and why something is not known."""
+        self._reckoning = DeadReckoning(noise or OdometryNoise(), self.reasons)
         self._wheels = OdometerDistance() if has_odometer else RolledDistance()
         self._gyroscope = _Gyroscope()
         self._curvature: float | None = 0.0
@@ -57,6 +68,10 @@ class WheelOdometry:
         self._unseen = 0.0
         """Variance of the angular velocity because of lost readings."""
         self._reported_at: int | None = None
+        self._compared = _Comparison()
+        self._way = self._unsure = self._unsure_part = 0.0
+        self.distance_scale = 1.0
+        """True distance, as a part of the distance that the board reports; it may be replaced at any time."""
         self.uses_gyroscope = True
         """False if the turn of the last distance is that of the steering, because the gyroscope sent nothing."""
 
@@ -103,6 +118,7 @@ class WheelOdometry:
             rolled = self._wheels.report(now, distance_left, number)
         if rolled is None:
             return None
+        rolled = rolled.scaled(self.distance_scale)
         self._reported_at = now
         if rolled.until > rolled.since:
             self._move(rolled)
@@ -120,6 +136,7 @@ class WheelOdometry:
 
     def _move(self, rolled: Rolled) -> None:
         seconds = (rolled.until - rolled.since) / 1e9
+        self._watch(rolled)
         turn = self._gyroscope.take_turn(rolled.until)
         if turn is None:
             if rolled.distance:
@@ -129,10 +146,50 @@ class WheelOdometry:
         self.uses_gyroscope = True
         self._yaw_rate = turn.rate - self._reckoning.bias
         self._unseen = turn.variance / seconds**2
-        if self._wheels.stands(rolled.until) and self._reckoning.stand(turn.angle / seconds, seconds):
-            self._yaw_rate = 0.0
+        stands = self._wheels.stands(rolled.until)
+        if self._reckoning.knows_bias:
+            self.reasons.give(_BIAS)
         else:
+            self.reasons.lack(_BIAS, "the rover has not stood since the start", rolled.until)
+        if stands and self._reckoning.stand(turn.angle / seconds, seconds):
+            self._yaw_rate = 0.0
+        elif stands or rolled.distance or self._reckoning.knows_bias:  # else, the frame odom has not begun yet
             self._reckoning.turn_by_gyroscope(rolled, turn.angle, seconds, turn.variance)
+
+        self._compare(rolled, turn.angle - self._reckoning.bias * seconds)
+
+    def _watch(self, rolled: Rolled) -> None:
+        """Say so if errors that cannot be known are larger than the slip."""
+        self._way += abs(rolled.distance)
+        self._unsure += abs(rolled.unsure)
+        if self._way < _WATCHED_M:
+            return
+        self._unsure_part, self._way, self._unsure = self._unsure / self._way, 0.0, 0.0
+        if self._unsure_part > self.noise.slip:
+            self.reasons.note(
+                "the distance is uncertain: commands come too quickly for the reports, or the reports are rounded",
+                f"{self._unsure_part:.0%} of the distance",
+            )
+
+    def _compare(self, rolled: Rolled, turn: float) -> None:
+        """Compare the turn by the gyroscope with that of the steering: an IMU may be mounted upside down."""
+        if rolled.curvature is None or self._curvature is None:
+            return
+        compared = self._compared
+        compared.distance += abs(rolled.distance)
+        compared.by_gyroscope += turn
+        compared.by_steering += rolled.distance * rolled.curvature
+        compared.variance += ((rolled.curvature - self._curvature) * 2 * _STEERING_M) ** 2
+        if compared.distance < _COMPARED_M:
+            return
+        self._compared = _Comparison(before=compared.variance)
+        variance = compared.variance + compared.before + self.noise.yaw_slip**2 * compared.distance
+        self.reasons.passes(
+            "the gyroscope and the steering disagree; is the IMU mounted upside down, or is smallest_radius wrong?",
+            (compared.by_gyroscope - compared.by_steering) ** 2 / variance,
+            1,
+            f"{compared.by_gyroscope:.2f} instead of {compared.by_steering:.2f} rad in {compared.distance:.1f} m",
+        )
 
     def _steer(self, rolled: Rolled, seconds: float) -> None:
         """Move along the arc of the command, because the gyroscope sends nothing."""
@@ -145,20 +202,36 @@ class WheelOdometry:
         self._reckoning.turn_by_steering(rolled, curvature, variance, seconds)
 
     def _estimate(self, now: int, unreported: float) -> OdometryEstimate:
-        noise, speed = self.noise, self._wheels.speed
+        noise, speed = self.noise, self._wheels.speed * self.distance_scale
         covariance = self._reckoning.covariance
         for axis in range(2):
             covariance[axis][axis] += unreported**2
-        moving = (noise.slip * speed) ** 2 + _SPEED_DEVIATION**2
+        moving = (math.hypot(noise.slip, self._unsure_part) * speed) ** 2 + SPEED_DEVIATION**2
         turning = (
-            self._reckoning.bias_variance + noise.gyro_noise**2 / _REGULAR_S + self._unseen
+            self._reckoning.bias_variance
+            + noise.gyro_noise**2 / _REGULAR_S
+            + self._unseen
+            + (noise.gyro_scale * self._yaw_rate) ** 2
             if self.uses_gyroscope
-            else (noise.yaw_slip * speed) ** 2 / _STEERING_M + _SPEED_DEVIATION**2
+            else (noise.yaw_slip * speed) ** 2 / _STEERING_M + SPEED_DEVIATION**2
         )
         silent = speed**2 if unreported else 0.0
         return OdometryEstimate(
             now, self._reckoning.pose, covariance, speed, self._yaw_rate, moving + silent, turning + silent
         )
+
+
+@dataclass(slots=True)
+class _Comparison:
+    """Turn over a distance in metres by the gyroscope and by the steering, in radians."""
+
+    distance: float = 0.0
+    by_gyroscope: float = 0.0
+    by_steering: float = 0.0
+    variance: float = 0.0
+    """Variance of the difference in rad^2 by changes of the steering, which take some time."""
+    before: float = 0.0
+    """The same of the distance before, whose last change may go on."""
 
 
 @dataclass(frozen=True, slots=True)

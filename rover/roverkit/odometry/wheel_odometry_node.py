@@ -7,13 +7,17 @@ import logging
 import math
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
 
+from roverkit.gating import Reasons
 from roverkit.node.program import connected, json_printer, project_registry
+from roverkit.node.reason_diagnostics import ReasonDiagnostics
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_declaration import IMU, ODOMETRY, TRANSFORM
 from roverkit.odometry.odometry_messages import odometry_of, transform_of
 from roverkit.odometry.odometry_parameters import OdometryParameters
 from roverkit.odometry.odometry_rows import OdometryRows
+from roverkit.odometry.tape_test import TapeTest
 from roverkit.odometry.wheel_odometry import OdometryEstimate, WheelOdometry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError
@@ -36,7 +40,7 @@ def publish_odometry(arguments: argparse.Namespace, ros: RosArguments, logger: l
     rows = OdometryRows(project_registry(arguments))
     parameters = OdometryParameters(ros, logger)
     with connected(ros, arguments.middleware, logger, parameters) as connection:
-        node = OdometryNode(connection, rows, parameters, logger, as_json=arguments.json)
+        node = OdometryNode(connection, rows, parameters, logger, as_json=arguments.json, tape=arguments.tape)
         node.receive()
         logger.info(
             "waiting for reports on %s; odometry on %s", ros.topic(rows.progress.name), ros.topic(ODOMETRY.name)
@@ -55,15 +59,21 @@ class OdometryNode:
         logger: logging.Logger,
         *,
         as_json: bool,
+        tape: float | None = None,
     ) -> None:
+        """``tape`` is the length in metres of a tape along which the rover drives, if it does."""
         self._connection, self._rows, self._parameters, self._logger = connection, rows, parameters, logger
         self._print = json_printer(as_json)
         self._clock = connection.clock
-        self._odometry = WheelOdometry(parameters.meaning.noise, has_odometer=rows.has_odometer)
+        self.reasons = Reasons(logger.warning)
+        """Reasons why inputs are left out, and why something is not known."""
+        self._diagnostics = ReasonDiagnostics(connection, self.reasons)
+        self._odometry = WheelOdometry(parameters.meaning.noise, self.reasons, has_odometer=rows.has_odometer)
         # In memory, a subscriber of the odometry may send a command, which comes back at once.
         self._lock = threading.RLock()
         self._reported_at: int | None = None
-        self._said: set[str] = set()
+        self._is_silent = False
+        self._tape = tape and TapeTest(tape, lambda: parameters.meaning.distance_scale, partial(logger.info, "%s"))
         middleware, topic = connection.middleware, connection.topic
         self._publisher = ODOMETRY.publisher(middleware, topic)
         self._transforms = TRANSFORM.publisher(middleware, topic)
@@ -87,32 +97,41 @@ class OdometryNode:
             self.tick()
 
     def tick(self) -> None:
-        """Publish the last estimate again if the driving board has reported nothing for a while."""
+        """Publish the reasons, and the last estimate again if the driving board has reported nothing for a while."""
         with self._lock:
             now = self._clock.now()
+            self._diagnostics.publish(now)
+            if self._reported_at is None:
+                topic = self._connection.topic(self._rows.progress.name)
+                self.reasons.lack("odometry", f"no report of the driving board comes on {topic}", now)
             if self._reported_at is None or now - self._reported_at < _SILENCE_S * 1e9:
                 return
-            self._say_once("silent", "the driving board reports nothing; the position becomes uncertain")
+            if not self._is_silent:
+                self._is_silent = True
+                self._logger.warning("the driving board reports nothing; the position becomes uncertain")
             if (estimate := self._odometry.silent(now)) is not None:
                 self._publish(estimate)
 
     def _each(self, take: Callable[[bytes], None]) -> Callable[[Sequence[bytes]], None]:
-        """Return a callback that takes messages one by one, and reports the first one that cannot be used."""
+        """Return a callback that takes messages one by one, and reports those that cannot be used."""
 
         def take_all(messages: Sequence[bytes]) -> None:
             with self._lock:
                 for data in messages:
                     try:
                         take(data)
-                    except (ConversionError, ValueError) as error:
-                        self._say_once(take.__name__, f"ignoring a message: {error}")
+                    except ConversionError as error:
+                        self.reasons.tell(f"ignoring a message: {error}")
 
         return take_all
 
     def _take_command(self, data: bytes) -> None:
-        board = self._parameters.meaning.board
-        command = self._rows.board_command(data)
-        self._odometry.command(self._clock.now(), board.drivable(board.arc(command)), command.command_number)
+        board, command = self._parameters.meaning.board, self._rows.board_command(data)
+        try:
+            arc = board.arc(command)
+        except ValueError as error:  # somebody commands what is no number; the board stops then
+            raise ConversionError(str(error)) from error
+        self._odometry.command(self._clock.now(), board.drivable(arc), command.command_number)
 
     def _take_diagnostics(self, data: bytes) -> None:
         if (rpm := self._rows.rpm(data)) is not None:
@@ -129,14 +148,17 @@ class OdometryNode:
 
     def _take_progress(self, data: bytes) -> None:
         report, now = self._rows.report(data), self._clock.now()
-        self._odometry.noise = self._parameters.meaning.noise
-        self._reported_at = now
-        self._said.discard("silent")
+        settings = self._parameters.meaning
+        self._odometry.noise, self._odometry.distance_scale = settings.noise, settings.distance_scale
+        self._reported_at, self._is_silent = now, False
+        self.reasons.give("odometry")
         if (estimate := self._odometry.progress(now, *report)) is None:
             return
         if not self._odometry.uses_gyroscope:
             topic = self._connection.topic(IMU.name)
-            self._say_once("imu", f"no angular velocity comes on {topic}; the turn is that of the steering")
+            self.reasons.note(f"no angular velocity comes on {topic}; the turn is that of the steering")
+        if self._tape:
+            self._tape.take(estimate)
         self._publish(estimate)
 
     def _publish(self, estimate: OdometryEstimate) -> None:
@@ -148,8 +170,3 @@ class OdometryNode:
         pose, speed, rate = estimate.pose, estimate.speed, estimate.yaw_rate
         entry = {"stamp": estimate.at, "x": pose.x, "y": pose.y, "yaw": pose.yaw, "speed": speed, "yaw_rate": rate}
         self._print({**entry, "covariance": estimate.covariance})
-
-    def _say_once(self, kind: str, message: str) -> None:
-        if kind not in self._said:
-            self._said.add(kind)
-            self._logger.warning("%s", message)

@@ -42,6 +42,8 @@ class RoverSettings:
     """Rate at which the board changes the curvature, in 1/m per second."""
     slip: float = 0.05
     """Standard deviation of the wheels' slip: the part of the rolled distance that the rover does not move."""
+    mean_slip: float = 0.02
+    """Standard deviation of the mean of the slip, which stays the same."""
     side_slip: float = 0.01
     """Standard deviation of the sideways motion, as a part of the rolled distance."""
     yaw_slip: float = 0.03
@@ -128,7 +130,9 @@ class RoverModel:
                 ("yaw", self.settings.yaw_slip),
             )
         ]
-        self._imu = Imu(random.Random(f"{seed} imu"), self.settings.imu)  # noqa: S311  # as above
+        constant = random.Random(f"{seed} constant")  # noqa: S311  # as above
+        self._mean_slip = constant.gauss(0, self.settings.mean_slip)
+        self._imu = Imu(random.Random(f"{seed} imu"), self.settings.imu, constant.gauss(0, 1))  # noqa: S311  # as above
         self._gps = GpsReceiver(random.Random(f"{seed} gps"), self.settings.gps)  # noqa: S311  # as above
         self._yaw_before = self.pose.yaw
         self._speed_before = 0.0
@@ -157,7 +161,7 @@ class RoverModel:
         distance = self._board.step(self.now)
         self.speed = self._board.speed
         slip, side, yaw = (process.after(abs(distance)) for process in self._slips)
-        moved = distance * (1 - slip)
+        moved = distance * (1 - slip - self._mean_slip)
         arc = Arc(moved, self._board.curvature + yaw)
         self.pose = self.pose @ arc.end @ PlanarPose(0, distance * side, 0)
         self.velocity, self.yaw_rate = moved / _STEP_S, arc.turn / _STEP_S

@@ -24,6 +24,8 @@ class ImuSettings:
     """Standard deviation of the bias of the angular velocity at the start, in rad/s."""
     gyro_bias_walk: float = 5e-6
     """Random walk of this bias, in rad/s per square root of a second."""
+    gyro_scale: float = 3e-3
+    """Standard deviation of the relative error of the angular velocity, which stays the same."""
     acceleration_noise: float = 0.02
     """Standard deviation of a reading of the acceleration, in m/s^2."""
     acceleration_bias: float = 0.05
@@ -99,9 +101,11 @@ class GpsFix:
 class Imu:
     """IMU with noise, and with a bias that changes slowly."""
 
-    def __init__(self, generator: random.Random, settings: ImuSettings) -> None:
+    def __init__(self, generator: random.Random, settings: ImuSettings, scale: float) -> None:
+        """``scale`` is the error of the gyroscope's scale in its standard deviation."""
         self._generator, self._settings = generator, settings
         self._gyro_bias = self._vector(settings.gyro_bias)
+        self._gyro_scale = 1 + scale * settings.gyro_scale
         self._acceleration_bias = self._vector(settings.acceleration_bias)
 
     def reading(self, now: int, motion: Motion, period: float) -> ImuReading:
@@ -111,7 +115,11 @@ class Imu:
         cosine, sine = math.cos(motion.yaw), math.sin(motion.yaw)
         return ImuReading(
             now,
-            _sum((0, 0, motion.yaw_rate), self._gyro_bias, self._vector(settings.gyro_noise / math.sqrt(period))),
+            _sum(
+                (0, 0, motion.yaw_rate * self._gyro_scale),
+                self._gyro_bias,
+                self._vector(settings.gyro_noise / math.sqrt(period)),
+            ),
             _sum(
                 (motion.acceleration, motion.speed * motion.yaw_rate, _GRAVITY),
                 self._acceleration_bias,

@@ -8,18 +8,21 @@ from __future__ import annotations
 import argparse
 import logging
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from roverkit.driving.arcs import Arc, PlanarPose, arc_to
 from roverkit.fusion.fusing import Fusion
 from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY
 from roverkit.fusion.planar_gaussian import PlanarGaussian, rotation
+from roverkit.gating import Reasons
 from roverkit.node.ros_connection import RosConnection
 from roverkit.odometry.odometry_messages import odometry_of
 from roverkit.odometry.wheel_odometry import OdometryEstimate, WheelOdometry
-from roverkit.simulation.rover_model import MotorReport, ProgressReport, RoverModel
+from roverkit.simulation.rover_model import Measurement, MotorReport, ProgressReport, RoverModel, RoverSettings
 from roverkit.simulation.rover_sensors import GpsFix, ImuReading
 from roverkit.vision import TargetId
 
@@ -27,8 +30,10 @@ from rover.tests.driving.simulated_tracker import SimulatedTracker, field, stand
 from roverlink.runtime.convert.rotations import angles
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import Qos
+from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import geometry_msgs, sensor_msgs, tf2_msgs, vision_msgs
 from roverlink.runtime.interfaces.nav_msgs import Odometry
+from roverlink.runtime.middleware import Publisher
 from roverlink.runtime.middleware.memory import MemoryMiddleware
 from roverlink.runtime.ros_arguments import ros_args
 from roverlink.runtime.ros_time.headers import header_of, stamp_of
@@ -51,15 +56,24 @@ class FieldDrive:
         moved: Mapping[TargetId, tuple[float, float]] = {},  # never changed
         *,
         gps: bool = False,
+        sees: bool = True,
+        odometry: bool = True,
+        change: Callable[[Any, float], None] = lambda _, __: None,
+        sense: Callable[[Measurement], Measurement | None] = lambda one: one,
+        settings: RoverSettings | None = None,
         logger: logging.Logger | None = None,
     ) -> None:
+        self._has_odometry = odometry
+        self._change, self._sense = change, sense  # of a message, at a time in seconds; of a measurement
         self.start = PlanarPose(1.5, -1.0, math.pi / 2)
-        self.model = RoverModel(seed, start=self.start)
-        self._odometry = WheelOdometry()
+        self.model = RoverModel(seed, settings, self.start)
+        self.said: list[str] = []
+        """Messages of the odometry."""
+        self._odometry = WheelOdometry(reasons=Reasons(self.said.append))
         landmarks = field()
         self._tracker = SimulatedTracker(seed, standing(landmarks, seed, moved))
         self._corner = self._steps = 0
-        self.sees = True  # False while somebody stands before the camera
+        self.sees = sees  # False while somebody stands before the camera
         self.stamp = 10**9  # at which the model starts
         self.middleware = middleware = MemoryMiddleware()
         self._wheel = middleware.publisher(f"/{ODOMETRY.name}", Odometry, Qos())
@@ -72,25 +86,33 @@ class FieldDrive:
         said = logger or logging.getLogger("fusion of a test")
         connection = RosConnection(ros_args.parse([], "fusion"), "memory", stack, said.warning)
         connection.middleware = middleware  # so that both nodes are in one graph
-        Fusion(connection, landmarks, arguments, said).receive(DETECTIONS.name, self._tracker.mount)
+        connection.clock = SimpleNamespace(now=lambda: self.stamp + self.model.now)  # type: ignore[assignment]  # the time of the model
+        self._fusion = Fusion(connection, landmarks, arguments, said)
+        self._fusion.receive(DETECTIONS.name, self._tracker.mount)
+        self.reasons = self._fusion.reasons
         self.fused: list[Odometry] = []
         self.shifts: list[geometry_msgs.TransformStamped] = []
         middleware.subscribe(f"/{FUSED.name}", Odometry, Qos(), self._take)
         middleware.subscribe("/tf", tf2_msgs.TFMessage, Qos(), self._take_transforms)
         self.by_odometry: PlanarGaussian | None = None
 
+    def move_landmark(self, name: TargetId, x: float, y: float) -> None:
+        """Let somebody move a landmark by some metres on the field."""
+        self._tracker.move(name, x, y)
+
     def stand(self, seconds: float) -> None:
         """Let the rover stand."""
         for _ in range(round(seconds / _STEP_S)):
             self._step()
 
-    def drive(self, metres: float) -> None:
-        """Drive along the square for a distance."""
+    def drive(self, metres: float, watch: Callable[[], None] = lambda: None) -> None:
+        """Drive along the square for a distance; ``watch`` is called ten times a second."""
         until = self.model.rolled + metres
         while self.model.rolled < until:
             if self._steps % _COMMAND_STEPS == 0:
                 self._steer()
             self._step()
+            watch()
 
     @property
     def error(self) -> tuple[np.ndarray, np.ndarray]:
@@ -125,7 +147,8 @@ class FieldDrive:
 
     def _step(self) -> None:
         self._steps += 1
-        for one in self.model.advance(_STEP_S):
+        self._fusion.tick()
+        for one in filter(None, map(self._sense, self.model.advance(_STEP_S))):
             if isinstance(one, ImuReading):
                 self._odometry.angular_velocity(one.at, one.angular_velocity[2])
             elif isinstance(one, MotorReport):
@@ -135,15 +158,19 @@ class FieldDrive:
                 if estimate is not None:
                     self._publish(estimate)
             elif isinstance(one, GpsFix):
-                self._fixes.publish([cdr.encode(_fix(one, self.stamp))])
+                self._send(self._fixes, _fix(one, self.stamp))
         if self.sees and self._steps % _IMAGE_STEPS == 0:
-            image = self._tracker.see(self.model.pose, self.stamp + self.model.now)
-            self._detections.publish([cdr.encode(image)])
+            self._send(self._detections, self._tracker.see(self.model.pose, self.stamp + self.model.now))
 
     def _publish(self, estimate: OdometryEstimate) -> None:
         self.by_odometry = PlanarGaussian(estimate.pose, np.array(estimate.covariance))
         header = header_of(self.stamp + estimate.at, "odom")
-        self._wheel.publish([cdr.encode(odometry_of(estimate, header, "base_link"))])
+        if self._has_odometry:
+            self._send(self._wheel, odometry_of(estimate, header, "base_link"))
+
+    def _send(self, publisher: Publisher, message: Message) -> None:
+        self._change(message, self.model.now / 1e9)
+        publisher.publish([cdr.encode(message)])
 
     def _take(self, messages: Sequence[bytes]) -> None:
         self.fused += [cdr.decode(Odometry, one) for one in messages]

@@ -83,11 +83,16 @@ class SimulatedTracker:
 
     def __init__(self, seed: int, places: Mapping[TargetId, Pose]) -> None:
         self._rng = np.random.default_rng([seed, 2])
-        self._places = places
+        self._places = dict(places)
         self._side = _SIDE * (1 + self._rng.normal(0, _UNCERTAINTY.side_sigma))
         focal_x, focal_y, x, y = self._rng.normal(0, _CALIBRATED_PX) / _FOCAL
         self._scale, self._centre = 1 + np.array([focal_x, focal_y]), np.array([x, y])
         self._roots = camera_roots(_CAMERA)
+
+    def move(self, name: TargetId, x: float, y: float) -> None:
+        """Move a landmark by some metres on the field."""
+        place = self._places[name]
+        self._places[name] = Pose(place.rotation, place.translation + np.array([x, y, 0]))
 
     def see(self, rover: PlanarPose, stamp: int) -> vision_msgs.Detection3DArray:
         """Return the message about an image that is taken at a pose of the rover."""

@@ -14,6 +14,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from roverkit.driving.arcs import PlanarPose
 from roverkit.driving.board_commands import STOP, BoardCommand, DrivingBoard
 from roverkit.driving.drive_control import DriveControl, DriveSettings, Localization, State, Status
+from roverkit.simulation.rover_model import RoverModel
 
 _TICK_S = 0.05
 _SETTINGS = DriveSettings(DrivingBoard(smallest_radius=0.5), speed=1.0, period=0.05)
@@ -140,6 +141,19 @@ def test_a_board_that_is_too_fast_gets_less() -> None:
         rover.speed = step / _TICK_S
     assert sum(driven[100:]) / len(driven[100:]) / _TICK_S == pytest.approx(0.2, rel=0.05)
     assert all(0 <= one <= 2 * 0.2 * rover.settings.horizon + 1e-9 for one in _distances([rover.tick()]))
+
+
+def test_a_start_is_hardly_too_fast() -> None:
+    """While the rover accelerates, the distance is not made longer, although the rover is slower than it is to be."""
+    rover, model, fastest = _Rover(DriveSettings()), RoverModel(1), 0.0
+    for _ in range(60):
+        rover.localized, rover.speed = _HERE, model.speed
+        rover.control.drive(0.3, 0.0, rover.now)
+        if command := rover.tick():
+            model.command(command)
+        model.advance(_TICK_S)
+        fastest = max(fastest, model.speed)
+    assert 0.29 < fastest < 1.1 * 0.3
 
 
 def test_manual_is_one_stop_and_then_silence() -> None:

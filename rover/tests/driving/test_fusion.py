@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import random
 from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
@@ -18,7 +19,11 @@ pytest.importorskip("gtsam", reason=NO_GTSAM)
 from roverkit.driving.arcs import PlanarPose
 
 from rover.tests.driving.field_drive import FieldDrive
+from rover.tests.programs.node_in_memory import hear
 from roverlink.runtime.convert.rotations import angles
+from roverlink.runtime.interfaces import sensor_msgs, vision_msgs
+from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
+from roverlink.runtime.interfaces.nav_msgs import Odometry
 
 
 def _distance(known: tuple[np.ndarray, np.ndarray]) -> float:
@@ -95,9 +100,112 @@ def test_a_landmark_that_was_moved_is_found_and_named(stack: ExitStack, caplog: 
         assert not rover.fused
         rover.drive(15)
     assert _distance(rover.error) < 0.15
-    (told,) = {record.getMessage() for record in caplog.records}
+    *_, why, _, told = (record.getMessage() for record in caplog.records)
+    assert why.startswith("no pose for 10 s: 2 landmarks must agree with the survey")
     assert told.startswith("landmark 7 is not used: it stands 0.")
     assert 0.45 < float(told.split("stands ")[1].split(" m")[0]) < 0.75
+
+
+class _Misread:
+    """Sightings that get the number 9: the first one after two seconds, and a part of the later ones."""
+
+    def __init__(self, part: float) -> None:
+        self._part, self._random = part, random.Random(1)  # noqa: S311  # repeatable, not secret
+        self._first = True
+
+    def __call__(self, message: Any, now: float) -> None:
+        if isinstance(message, vision_msgs.Detection3DArray) and now > 2:
+            for one in message.detections:
+                if self._first or self._random.random() < self._part:
+                    self._first = False
+                    one.id = one.results[0].hypothesis.class_id = "9"
+
+
+def _no_latitude(message: Any, now: float) -> None:
+    if isinstance(message, sensor_msgs.NavSatFix) and 6 < now < 8:
+        message.latitude = math.nan
+
+
+def _jump(message: Any, now: float) -> None:
+    if isinstance(message, sensor_msgs.NavSatFix) and 6 < now < 12:
+        message.latitude += 3e-4
+
+
+def _unknown_covariance(message: Any, _: float) -> None:
+    if isinstance(message, Odometry):
+        message.pose.covariance = message.twist.covariance = [0.0] * 36
+
+
+_FAULTS = {
+    "a wrong number": (_Misread(0.0), "sighting of landmark 9 left out"),
+    "wrong numbers": (_Misread(0.05), "sighting of landmark 9 left out"),
+    "no latitude": (_no_latitude, "GPS position left out: it has no position"),
+    "a jump of GPS": (_jump, "GPS position left out: it does not fit the pose"),
+    "no covariance": (_unknown_covariance, "odometry without covariance"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("fault", "said"), _FAULTS.values(), ids=_FAULTS.keys())
+def test_a_fault_is_left_out_and_said(
+    stack: ExitStack, caplog: pytest.LogCaptureFixture, fault: Any, said: str
+) -> None:
+    """The pose stays within 0.1 m, no landmark is blamed, and the log names the cause."""
+    with caplog.at_level(logging.INFO, logger="fusion"):
+        rover = _rover(3, stack, 6, gps=True, change=fault, logger=logging.getLogger("fusion"))
+        for _ in range(8):
+            rover.drive(1)
+            assert rover.is_current
+            assert _distance(rover.error) < 0.1
+    told = [record.getMessage() for record in caplog.records]
+    assert told
+    assert all(one.startswith(said) for one in told)
+
+
+@pytest.mark.slow
+def test_a_landmark_that_is_moved_after_it_was_seen_is_dropped(
+    stack: ExitStack, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Its first sightings are left out; as soon as several agree, it is named."""
+    with caplog.at_level(logging.INFO, logger="fusion"):
+        rover = _rover(3, stack, 9, logger=logging.getLogger("fusion"))
+        rover.move_landmark(8, 0.6, 0.0)
+        for _ in range(14):
+            rover.drive(1)
+            assert _distance(rover.error) < 0.15
+    first, told = (record.getMessage() for record in caplog.records)
+    assert first.startswith("sighting of landmark 8 left out")
+    assert told.startswith("landmark 8 is not used: it stands 0.")
+
+
+def _ahead(message: Any, _: float) -> None:
+    if isinstance(message, vision_msgs.Detection3DArray):
+        message.header.stamp.sec += 5
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"change": _ahead}, "landmarks left out: the stamp is in the future"),
+        ({"gps": True, "sees": False}, "no landmark of the survey has been seen; GPS alone"),
+        ({"odometry": False}, "no odometry comes on /odometry/wheel"),
+    ],
+)
+def test_no_pose_has_a_reason(
+    stack: ExitStack, caplog: pytest.LogCaptureFixture, options: dict[str, Any], why: str
+) -> None:
+    """After ten seconds, the log says it, once."""
+    with caplog.at_level(logging.INFO, logger="fusion"):
+        rover = FieldDrive(4, stack, **options, logger=logging.getLogger("fusion"))
+        rover.stand(9)
+        assert not any("no pose" in record.getMessage() for record in caplog.records)
+        rover.stand(4)
+    (told,) = [record.getMessage() for record in caplog.records if record.getMessage().startswith("no pose for 1")]
+    assert why in told
+    heard = hear(rover.middleware, "/diagnostics", DiagnosticArray)
+    rover.stand(1)
+    (status,) = heard[-1].status
+    assert why.partition(":")[0] in f"{status.message} {status.values}"
 
 
 @pytest.mark.slow

@@ -14,17 +14,20 @@ from typing import TypeVar
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from roverkit.driving.arcs import Arc
+from roverkit.driving.arcs import Arc, PlanarPose
 from roverkit.driving.board_commands import STOP, BoardCommand
+from roverkit.gating import Reasons
+from roverkit.odometry.tape_test import TapeTest
 from roverkit.odometry.wheel_odometry import OdometryEstimate, WheelOdometry
 from roverkit.simulation.rover_model import STEP_NS, MotorReport, ProgressReport, RoverModel, RoverSettings
 from roverkit.simulation.rover_sensors import ImuReading, ImuSettings
 
 IDEAL = RoverSettings(
     slip=0.0,
+    mean_slip=0.0,
     side_slip=0.0,
     yaw_slip=0.0,
-    imu=ImuSettings(gyro_noise=0.0, gyro_bias=0.0, gyro_bias_walk=0.0),
+    imu=ImuSettings(gyro_noise=0.0, gyro_scale=0.0, gyro_bias=0.0, gyro_bias_walk=0.0),
     gps_period=10**12,
 )
 """A rover of which the odometry may know everything: no slip, and a gyroscope without errors."""
@@ -46,10 +49,17 @@ class Faults:
     lateness: float = 0.12
     delay: float = 0.0005
     """Usual longest delay."""
+    least_delay: float = 0.0
+    step: float = 0.0
+    """Step in metres to which the board rounds its reports; 0 for none."""
     motors: bool = True
     imu: bool = True
     odometer: bool = False
     """True if the board reports its odometer and the numbers of commands."""
+    bias: float = 0.0
+    """Bias of the gyroscope in rad/s."""
+    sign: int = 1
+    """-1 for an IMU that is mounted upside down."""
 
 
 class FaultyLink:
@@ -57,7 +67,8 @@ class FaultyLink:
 
     def __init__(self, seed: int, faults: Faults, settings: RoverSettings = IDEAL) -> None:
         self.model, self.faults = RoverModel(seed, settings), faults
-        self.odometry = WheelOdometry(has_odometer=faults.odometer)
+        self.said: list[str] = []
+        self.odometry = WheelOdometry(reasons=Reasons(self.said.append), has_odometer=faults.odometer)
         self.rng = random.Random(seed)  # noqa: S311  # repeatable, not secret
         self.estimates: list[OdometryEstimate] = []
         self._commands: list[tuple[int, int, BoardCommand]] = []
@@ -95,17 +106,21 @@ class FaultyLink:
     def _transport(self, report: ProgressReport | MotorReport) -> None:
         if self.rng.random() < self.faults.lost:
             return
+        if isinstance(report, ProgressReport) and (step := self.faults.step):
+            report = replace(report, distance_left=round(report.distance_left / step) * step)
         for _ in range(2 if self.rng.random() < self.faults.repeated else 1):
             late = self.faults.lateness if self.rng.random() < self.faults.late else 0.0
             self._put(self._reports, report.at + round(late * 1e9), report)
 
     def _put(self, queue: list[tuple[int, int, T]], at: int, what: T) -> None:
         self._count += 1
-        heapq.heappush(queue, (at + round(self.rng.uniform(0, self.faults.delay) * 1e9), self._count, what))
+        heapq.heappush(
+            queue, (at + round(self.rng.uniform(self.faults.least_delay, self.faults.delay) * 1e9), self._count, what)
+        )
 
     def _deliver(self, at: int, report: ProgressReport | MotorReport | ImuReading) -> None:
         if isinstance(report, ImuReading):
-            self.odometry.angular_velocity(at, report.angular_velocity[2])
+            self.odometry.angular_velocity(at, self.faults.sign * report.angular_velocity[2] + self.faults.bias)
         elif isinstance(report, MotorReport):
             if self.faults.motors:
                 self.odometry.motors(at, (abs(report.left_rpm) + abs(report.right_rpm)) / 2)
@@ -141,15 +156,15 @@ def _arcs(link: FaultyLink, metres: float, backwards: bool = False, restarts: fl
     return count
 
 
-def _stream(link: FaultyLink, metres: float) -> None:
-    """Drive as a controller does: a command each 30 or 50 ms, far longer than the rover drives until the next one."""
+def _stream(link: FaultyLink, metres: float, periods: tuple[float, ...] = (0.03, 0.05)) -> None:
+    """Drive as a controller does: the commands are far longer than the rover drives until the next one."""
     rng = link.rng
     link.run(1)
     while link.model.rolled < metres:
         radius, speed = rng.choice((0, 1, -1)) * rng.uniform(0.7, 8), rng.uniform(0.15, 0.5)
         for _ in range(rng.randrange(5, 60)):
             link.command(BoardCommand(0.4 * speed * rng.uniform(0.9, 1.1), radius))
-            link.run(rng.choice((0.03, 0.05)))
+            link.run(rng.choice(periods))
         if rng.random() < 0.3:
             link.command(STOP)
             link.run(rng.uniform(0.1, 2))
@@ -275,28 +290,60 @@ def test_a_clock_that_jumps_back_causes_no_jump() -> None:
 
 
 @pytest.mark.slow
-def test_the_bias_is_learned_while_the_rover_stands() -> None:
-    """The pose does not drift then, and a drive afterwards is straight."""
-    link = FaultyLink(4, Faults(), replace(IDEAL, imu=replace(_REAL.imu, gyro_bias=0.02)))
+@pytest.mark.parametrize(("bias", "told"), [(0.004, 0), (0.055, 1), (-0.34, 1)])
+def test_the_bias_is_learned_while_the_rover_stands(bias: float, told: int) -> None:
+    """The pose does not drift then, a drive afterwards is straight, and a large bias is said."""
+    link = FaultyLink(4, Faults(bias=bias))
     link.run(10)
     assert abs(link.estimates[-1].pose.yaw) < 0.01
-    link.command(BoardCommand(20.0, 0.0))
-    link.run(45)
-    assert abs(link.error()[2]) < 0.03
     assert link.estimates[-1].yaw_rate == 0
+    assert len([one for one in link.said if one.startswith("the bias of the gyroscope is larger")]) == told
+    link.command(BoardCommand(4.0, 0.0))
+    link.run(9)
+    assert abs(link.error()[2]) < 0.01
 
 
-def test_a_rover_that_is_carried_while_its_wheels_stand_turns() -> None:
-    """A large angular velocity is no bias."""
-    odometry = WheelOdometry()
-    for step in range(500):
+@pytest.mark.parametrize(("rate", "rest"), [(0.5, 2), (0.04, 20)])
+def test_a_rover_that_is_turned_while_its_wheels_stand_turns(rate: float, rest: int) -> None:
+    """An angular velocity that the known bias does not explain is no bias."""
+    said: list[str] = []
+    odometry = WheelOdometry(reasons=Reasons(said.append))
+    for step in range(100 * rest + 300):
         at = step * 10**7
-        odometry.angular_velocity(at, 0.5 if 200 <= step < 400 else 0.0)
+        odometry.angular_velocity(at, rate if 0 <= step - 100 * rest < 200 else 0.0)
         if step % 5 == 0:
             odometry.motors(at, 0.0)
             estimate = odometry.progress(at, 0.0)
     assert estimate is not None
-    assert estimate.pose.yaw == pytest.approx(1.0, abs=0.05)
+    assert estimate.pose.yaw == pytest.approx(2 * rate, abs=0.1 * rate)
+    (told,) = said
+    assert told.startswith("the rover turns while its wheels stand")
+
+
+@pytest.mark.slow
+def test_an_imu_that_is_mounted_upside_down_is_named() -> None:
+    """Its turns are not those of the steering; of a right one, nothing is said."""
+    for sign, count in ((1, 0), (-1, 1)):
+        link = FaultyLink(3, Faults(sign=sign), _REAL)
+        link.run(2)
+        link.command(BoardCommand(4.0, 2.0))
+        link.run(9)
+        assert len([one for one in link.said if "upside down" in one]) == count
+
+
+def test_drives_along_a_tape_tell_the_scale() -> None:
+    """Each drive ends where the rover stands; the way back to the start does not count, if it is carried."""
+    said: list[str] = []
+    tape = TapeTest(4.0, lambda: 1.0, said.append)
+    place = 0.0
+    for reported in (4.2, 4.1, 4.15, 0.5):
+        for part, speed in ((0.0, 0.0), (0.5, 0.5), (1.0, 0.0)):
+            estimate = OdometryEstimate(0, PlanarPose(place + part * reported), [], speed, 0.0, 0.0, 0.0)
+            tape.take(estimate)
+        place += reported
+    assert len(said) == 3
+    assert said[0].startswith("4.200 m by odometry on a tape of 4 m; after 1 drives, distance_scale is 0.9524")
+    assert said[2].endswith("distance_scale is 0.9639, mean_slip 0.0070, and slip 0.024")
 
 
 @pytest.mark.slow
@@ -392,7 +439,7 @@ def _straight(link: FaultyLink) -> None:
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("drive", [_straight, lambda link: _arcs(link, 100, True), lambda link: _stream(link, 100)])
 def test_a_hundred_metres_with_slip(drive: Callable[[FaultyLink], object]) -> None:
-    """The figures of rover/docs/odometry.md: of 100 drives, 95 drift less than 3 %, and the covariance is honest."""
+    """The figures of rover/docs/odometry.md: of 100 drives, 95 drift less than 5 %, and the covariance is honest."""
     drifts, errors = [], []
     for seed in range(100):
         link = FaultyLink(seed, Faults(), _REAL)
@@ -400,5 +447,44 @@ def test_a_hundred_metres_with_slip(drive: Callable[[FaultyLink], object]) -> No
         drifts.append(_distance_error(link) / link.model.rolled)
         errors.append(_normalized_error(link))
     print(f"drift: mean {statistics.fmean(drifts):.2%}, p95 {sorted(drifts)[94]:.2%}; {statistics.fmean(errors):.2f}")
-    assert sorted(drifts)[94] < 0.03
+    assert sorted(drifts)[94] < 0.05
     assert 2.26 < statistics.fmean(errors) < 3.87  # 99.9 % of the means of 100 such values
+
+
+def _four_percent(link: FaultyLink) -> None:
+    link.model._mean_slip = 0.04
+    _arcs(link, 58, True)
+
+
+def _three_thousandths(link: FaultyLink) -> None:
+    link.model._imu._gyro_scale = 1.003
+    _arcs(link, 58, True)
+
+
+_SLOW_REPORTS = replace(_REAL, progress_period=100_000_000)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize(
+    ("faults", "settings", "drive", "most"),
+    [
+        (Faults(), _REAL, lambda link: _arcs(link, 58, True), 3.9),
+        (Faults(), _REAL, _four_percent, 4.0),
+        (Faults(), _REAL, _three_thousandths, 4.0),
+        (Faults(), _SLOW_REPORTS, lambda link: _stream(link, 30, (0.1,)), 6.0),
+        (Faults(delay=0.051, least_delay=0.05), _REAL, lambda link: _stream(link, 30, (0.1,)), 6.0),
+        (Faults(step=0.01), _REAL, lambda link: _stream(link, 30, (0.1,)), 6.0),
+    ],
+    ids=["default", "mean slip", "scale", "slow reports", "delay", "coarse reports"],
+)
+def test_what_cannot_be_known_is_in_the_covariance(
+    faults: Faults, settings: RoverSettings, drive: Callable[[FaultyLink], object], most: float
+) -> None:
+    """Errors that stay the same during a drive: the mean normalized error of 50 drives."""
+    errors = []
+    for seed in range(50):
+        link = FaultyLink(seed, faults, settings)
+        drive(link)
+        errors.append(_normalized_error(link))
+    print(f"{statistics.fmean(errors):.2f}")
+    assert statistics.fmean(errors) < most

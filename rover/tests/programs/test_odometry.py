@@ -133,7 +133,7 @@ def test_progress_becomes_a_pose_with_a_covariance(node: _Node) -> None:
     assert last.pose.pose.position.x == pytest.approx(2.0, abs=1e-3)
     assert last.twist.twist.linear.x == pytest.approx(0.5, abs=0.02)
     covariance = last.pose.covariance
-    assert covariance[0] == pytest.approx(2 * 0.05**2, rel=0.1)
+    assert covariance[0] == pytest.approx(2 * 0.05**2 + (2 * 0.02) ** 2, rel=0.1)
     assert 0 < covariance[7] < covariance[0]
     assert [covariance[7 * axis] for axis in (2, 3, 4)] == [UNKNOWN_VARIANCE] * 3
     assert all(covariance[6 * row + column] == covariance[6 * column + row] for row in range(6) for column in range(6))
@@ -197,7 +197,7 @@ def test_a_silent_board_makes_the_position_uncertain(node: _Node) -> None:
 def test_parameters_name_the_frames_and_leave_the_transform_out() -> None:
     """Another program, such as robot_localization, then publishes it; larger slip makes a larger covariance."""
     with ExitStack() as held:
-        node = _Node(held, "publish_tf:=false", "odom_frame:=world", "base_frame:=rover", "slip:=0.1")
+        node = _Node(held, "publish_tf:=false", "odom_frame:=world", "base_frame:=rover", "slip:=0.1", "mean_slip:=0.0")
         _begin(node)
         node.drive(1.0)
         assert node.transforms == []
@@ -217,13 +217,15 @@ def test_parameters_name_the_frames_and_leave_the_transform_out() -> None:
         ("/drive_motor", DrivingBoardMotorMessage(math.nan, 0.0), "the driving board cannot execute"),
     ],
 )
-def test_values_that_are_no_numbers_are_told_once(node: _Node, topic: str, message: Message, expected: str) -> None:
+def test_values_that_are_no_numbers_are_told_and_counted(
+    node: _Node, topic: str, message: Message, expected: str
+) -> None:
     """The odometry goes on."""
     _begin(node)
     node.drive(1.0)
     for _ in range(3):
         node.publish(topic, message)
     node.drive(1.0, before=1.0)
-    (line,) = node.log
-    assert line.startswith(f"ignoring a message: {expected}")
+    assert all(line.startswith(f"ignoring a message: {expected}") for line in node.log)
+    assert sum(node.node.reasons.counts.values()) == 3
     assert node.found[-1].pose.pose.position.x == pytest.approx(2.0, abs=1e-3)

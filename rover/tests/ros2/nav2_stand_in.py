@@ -92,6 +92,9 @@ class Nav2StandIn:
         """Simulated time."""
         self.pace: Callable[[], float] = lambda: 0.001
         """Simulated seconds that pass from one tick to the next."""
+        self.cancels = CancelResponse.ACCEPT
+        self.is_frozen = False
+        """True while the goals get neither feedback nor an end, as those of a killed server that DDS still knows."""
         self._outcome = outcome
         self._running: list[_Running] = []
         self._judge = judge
@@ -106,7 +109,7 @@ class Nav2StandIn:
                 lambda handle: None,
                 goal_callback=self._answer,
                 handle_accepted_callback=lambda handle: self._running.append(_Running(handle, len(self.goals) - 1)),
-                cancel_callback=lambda _: CancelResponse.ACCEPT,
+                cancel_callback=lambda _: self.cancels,
             )
             for kind, name in ((NavigateToPose, "navigate_to_pose"), (BackUp, "backup"))
         ]
@@ -144,7 +147,7 @@ class Nav2StandIn:
         self.ticks += 1
         self.time += Duration(seconds=self.pace())
         self._tell_world()
-        for one in [*self._running]:
+        for one in () if self.is_frozen else [*self._running]:
             goal, outcome = self.goals[one.number], self._outcome(self.goals[one.number], one.number)
             one.ticks += 1
             if one.handle.is_cancel_requested:

@@ -15,6 +15,7 @@ from judge import Judge, interface  # skips this module where there is no rclpy
 from needs import NO_OPENCV
 from polling import wait_until
 from programs import Program, Start
+from rclpy.action import CancelResponse
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 pytest.importorskip("cv2", reason=NO_OPENCV)
@@ -191,13 +192,18 @@ def test_a_mode_that_changes_before_the_start_stops_nothing(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_cancels_the_goal(serve: Serve, run: Callable[..., Program], number: signal.Signals) -> None:
-    """Ctrl-C and SIGTERM leave no goal behind; the exit code is that of an unfinished command."""
+def test_a_signal_cancels_the_goal(
+    judge: Judge, serve: Serve, run: Callable[..., Program], number: signal.Signals
+) -> None:
+    """Ctrl-C and SIGTERM leave no goal behind; the mission says that it is stopped, and has not done its work."""
     nav2 = serve(lambda *_: HOLD)
+    state = judge.hear("/mission/state", "std_msgs/msg/String", _LATCHED)
     program = run("{goals: [{position: [1, 0]}]}")
     nav2.wait_for_goals(1)
     assert program.interrupt(number) == 130
     wait_until(lambda: nav2.ends == ["canceled"], "the cancellation")
+    assert _states(program)[-1] == ("stopped", 1)
+    state.wait_for({"data": "stopped 1"})
 
 
 def test_goals_and_poses_have_their_time(serve: Serve, run: Callable[..., Program]) -> None:
@@ -223,10 +229,31 @@ def test_a_goal_of_a_nav2_that_disappears_has_failed(serve: Serve, run: Callable
     program = run("{retries: 1, goals: [{position: [1, 0]}]}")
     nav2.wait_for_goals(1)
     nav2.close()
-    program.wait_for("Nav2 could not reach it; trying again (1)")
+    program.wait_for("Nav2 is dead: its server has disappeared, or has said nothing for 5 s; trying again (1)")
     nav2.pace = lambda: 0.5
     assert program.end() == 1, str(program)
-    assert "Nav2 refused it" in str(program)
+    assert "is not reached: Nav2 is dead" in str(program)
+
+
+def test_a_nav2_that_is_silent_is_dead(serve: Serve, run: Callable[..., Program]) -> None:
+    """DDS knows a killed server for some time."""
+    nav2 = serve(lambda *_: HOLD)
+    program = run("{retries: 0, goals: [{position: [1, 0]}]}")
+    wait_until(lambda: any(one["distance"] == 1.5 for one in _told(program)), "the distance that is left")
+    nav2.is_frozen = True
+    assert program.end() == 1, str(program)
+    assert "is not reached: Nav2 is dead" in str(program)
+
+
+def test_a_refused_cancellation_is_said(serve: Serve, run: Callable[..., Program]) -> None:
+    """A rover whose goal goes on may drive on."""
+    nav2 = serve(lambda *_: HOLD)
+    nav2.cancels = CancelResponse.REJECT
+    program = run("{goals: [{position: [1, 0]}]}")
+    nav2.wait_for_goals(1)
+    nav2.mode = MANUAL
+    program.wait_for("Nav2 refused to cancel the goal")
+    assert program.end() == 1, str(program)
 
 
 def test_another_program_may_end_the_mission(judge: Judge, serve: Serve, run: Callable[..., Program]) -> None:
