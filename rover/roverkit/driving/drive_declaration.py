@@ -35,14 +35,6 @@ COMMAND = RowTopic(
     inbound=False,
     fields=tuple(field.name for field in fields(BoardCommand) if field.name != NUMBER),
 )
-REPORT = RowTopic(
-    "drive_progress",
-    Direction.RECEIVED,
-    "number of the newest command that the driving board has taken",
-    inbound=True,
-    fields=(NUMBER,),
-)
-"""Topic that is received only in a project whose messages have numbers; so it is not among the topics of `NODE`."""
 STATE = Topic(
     "drive/state",
     (String,),

@@ -5,14 +5,22 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from roverkit.driving.board_commands import NUMBER, BoardCommand
-from roverkit.driving.drive_declaration import COMMAND, MODE, REPORT
-from roverlink.nodes import Topic
+from roverkit.driving.drive_declaration import COMMAND, MODE
+from roverlink.nodes import Direction, RowTopic, Topic
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.messages import fields_of
 
 _AUTOMATIC = "MODE_AUTO"
+_REPORT = RowTopic(
+    "drive_progress",
+    Direction.RECEIVED,
+    "number of the newest command that the driving board has taken",
+    inbound=True,
+    fields=(NUMBER,),
+)
+"""Topic of a project whose messages have numbers. The declaration of the node has the topics of all projects."""
 
 
 class DriveRows:
@@ -34,7 +42,7 @@ class DriveRows:
         self.report: Topic | None = None
         """Topic on which the board reports the number of the newest command; None if the project has no numbers."""
         if NUMBER in {field.name for field in fields_of(self.command.message_type)}:
-            self.report = REPORT.of(registry)
+            self.report = _REPORT.of(registry)
 
     def values(self, command: BoardCommand) -> dict[str, float]:
         """Return the fields of a command that its message has."""
