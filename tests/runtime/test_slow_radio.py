@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import socket
 import struct
 import threading
@@ -55,15 +54,15 @@ def test_a_forward_is_limited_where_its_topic_is_not() -> None:
     """Fifty a second come, five a second leave, the newest of them; the topic gets all, and each one is counted."""
     with Rig(_forwarding(max_rate=5)) as rig:
         base = rig.peers["basestation"]
-        base.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
+        began = time.monotonic()
         for number in range(1, 51):
             rig.receive(_imu(number))
             time.sleep(0.02)
         account = rig.bridge.account
         wait_until(lambda: account.forwarded["basestation"] + account.withheld.total() == 50, "the newest")
-        arrived = [*_timed(base)]
-        assert arrived[-1][1] == _imu(50)
-        assert all(later - earlier > 0.19 for (earlier, _), (later, _) in itertools.pairwise(arrived))
+        took, arrived = time.monotonic() - began, waiting(base)
+        assert arrived[-1] == _imu(50)
+        assert len(arrived) <= 1 + 5 * took
         assert account.withheld == {("basestation", "imu_info", "superseded"): 50 - len(arrived)}
         assert len(rig.on_topic["imu_data"]) == 50
 
