@@ -131,7 +131,7 @@ def test_telemetry_stays_within_the_budget_and_holds_nothing_urgent() -> None:
                 sent -= len(log[first][1]) + 28
                 first += 1
             assert sent <= budget
-        assert sorted(delays)[len(delays) // 2] < 0.05, delays
+        assert sorted(delays)[len(delays) // 2] < 0.25, delays  # what waits in turn waits for half a second
 
 
 def test_an_urgent_datagram_overtakes_what_waits_for_a_line() -> None:
@@ -156,7 +156,7 @@ def test_an_urgent_datagram_overtakes_what_waits_for_a_line() -> None:
 
 def test_signatures_are_made_when_a_datagram_leaves(tmp_path: Path) -> None:
     """What leaves later has the later timestamp, so the peer accepts all; the budget counts the signatures."""
-    with SignedRig(tmp_path, signing({"basestation": {"must_sign": True}}, _flooded(20_000))) as rig:
+    with SignedRig(tmp_path, signing({"basestation": {"must_sign": True}}, _flooded(4_000))) as rig:
         rig.receive(*[_imu(7)] * 100)
         for _ in range(5):
             rig.publish("detected_object")
