@@ -21,6 +21,8 @@ class _LaterModule(ModuleType):
         """Import the module, which then has the attribute."""
         if name == "__path__":  # the import system asks for it
             raise AttributeError(name)
+        if sys.modules.get(self.__name__) is self:  # it is used in the block already
+            del sys.modules[self.__name__]
         module = importlib.import_module(self.__name__)
         vars(self).update(vars(module))
         return getattr(module, name)
