@@ -121,6 +121,7 @@ def declarations(registry: Registry) -> dict[str, Declaration]:
     }
     if registry.own is not None:
         declared["listen_port"] = replace(declared["listen_port"], default=registry.own.port)
+        declared["dst_ip"] = replace(declared["dst_ip"], of_end=True)  # the rover is the only end
     if registry.link is not None:
         declared["link_policy"] = replace(declared["link_policy"], default=registry.link.on_mismatch)
     for name, end in registry.ends.items():

@@ -123,6 +123,16 @@ def test_the_rover_learns_the_port_of_its_peer() -> None:
         ends.crosses(_ROCK, {"frame_id": 5})
 
 
+def test_both_ends_of_a_line() -> None:
+    """The rover waits for a TCP connection, and the bridge of the basestation opens it."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        line = f"tcp:127.0.0.1:{server.getsockname()[1]}"
+    with _Ends(of_peers(QUIET, basestation=end("basestation", line + "?listen")), direct=True) as ends:
+        ends.base.change(parameters.read(ends.mirror, {"dst_ip": line}))
+        ends.crosses(_COMMAND, {"mode": 1})
+        ends.crosses(_ROCK, {"frame_id": 5})
+
+
 def test_what_a_mirrored_row_says() -> None:
     """A limit of the topic stays; that of what the rover sends is the rover's work, and so is the stop."""
     registry = changed(changed(REGISTRY, "control_mode", max_rate=5), "rover_localization", max_rate=3, priority=2)
