@@ -32,6 +32,7 @@ _SUBJECTS = {
     "PLG": "plugins of nodes",
     "PRO": "reading the protos",
     "RAD": "budgets of slow links",
+    "REQ": "requests",
     "RET": "editing the table",
     "ROS": "names in ROS 2",
     "SAF": "deadmen, rates, sources and signatures",

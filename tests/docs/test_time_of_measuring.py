@@ -24,7 +24,13 @@ from roverlink.simulation.scenarios import World
 
 pytestmark = pytest.mark.slow
 _S, _MS, _US = 10**9, 10**6, 10**3
-_TABLE = "ros: {package: depth_msgs}\npython: {package: depth_rover}\npeers: {board: {}}\nlink: {number: 9}\n"
+_TABLE = """\
+envelope: {file: depth/envelope.proto, message: depth.Envelope, oneof: payload}
+ros: {package: depth_msgs}
+python: {package: depth_rover}
+peers: {board: {}}
+link: {number: 9}
+"""
 
 
 @pytest.fixture(scope="module")

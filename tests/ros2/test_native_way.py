@@ -262,6 +262,7 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
                 wait_until(lambda: bridge.account.dropped["wrong_source"] == len(_PRESSURES), "the refusals")
                 carrier.start()
                 wait_until(lambda: bridge.link_states()[EndName("hardware")].state == "ok", "the line")
+                wait_until(lambda: carrier.why is None, "the line of the board")
                 place = carrier.address  # type: ignore[assignment]
             before = bridge.account.received
             for count, datagram in enumerate(datagrams, before + 1):

@@ -119,7 +119,8 @@ def test_the_rover_learns_the_port_of_its_peer() -> None:
     learning = of_peers(QUIET, basestation=end("basestation", "learn", 0))
     with _Ends(learning, direct=True) as ends:
         ends.crosses(_COMMAND, {"mode": 1})
-        assert ends.rover.link_states()[BASE].addresses == (f"127.0.0.1:{ends.base.port}",)
+        own = (f"127.0.0.1:{ends.base.port}",)
+        wait_until(lambda: ends.rover.link_states()[BASE].addresses == own, "the address")
         ends.crosses(_ROCK, {"frame_id": 5})
 
 
