@@ -69,6 +69,7 @@ COMMANDS_HZ = 20.0
 _PREPARED = 5000
 _PREPARED_FROM_HZ = 1000.0
 _TICK_S = 0.002
+_DISCOVERY_S = 10.0
 _SETTLE_S = 0.3
 _TIMEOUT_S = 20.0
 
@@ -206,6 +207,7 @@ def _with_a_bridge(
         stack.enter_context(host)
         senders = stack.enter_context(Senders("127.0.0.1", host.port))
         nodes, next_commands = SimulatedNodes(world.registry, middleware), 0.0
+        _await_bridge(nodes)
         with contextlib.suppress(KeyboardInterrupt):
             for now in _play(stream, arguments.seconds, senders, totals, world):
                 if now >= next_commands:
@@ -217,6 +219,13 @@ def _with_a_bridge(
         totals.account = host.stop()
         _wait_for(arrivals, totals)
     return _report(totals, as_json=arguments.json)
+
+
+def _await_bridge(nodes: SimulatedNodes) -> None:
+    """Wait until the bridge hears the nodes, so that the run has commands from its beginning; ten seconds at most."""
+    deadline = time.monotonic() + _DISCOVERY_S
+    while not nodes.are_heard() and time.monotonic() < deadline:
+        time.sleep(_TICK_S)
 
 
 def _repeated(stream: Stream, count: int) -> Stream:

@@ -26,6 +26,10 @@ class SimulatedNodes:
             if not handler.route.inbound and handler.route.name not in without
         ]
 
+    def are_heard(self) -> bool:
+        """Return true if each topic has a subscriber."""
+        return all(publisher.has_subscribers() for _, publisher in self._publishers)
+
     def publish(self, seconds: float) -> int:
         """Publish the values of the time ``seconds`` after the start on each topic that has a subscriber.
 
