@@ -54,7 +54,12 @@ class BudgetedPeer:
         """Function that wakes the timekeeper."""
 
     def put(self, send: to_peer.Send, destination: Destination, datagrams: Sequence[bytes]) -> int:
-        """Send datagrams with ``send`` as soon as the budget allows it; return their number."""
+        """Send datagrams with ``send`` as soon as the budget allows it; return their number.
+
+        Without an address, none waits, and the result is what ``send`` returns.
+        """
+        if not destination.addresses:
+            return send(datagrams)
         for datagram in datagrams:
             number = number_of(datagram, self._signature)
             self._given.append(_Letter(number, destination.end, datagram, self._size(datagram, destination), send))

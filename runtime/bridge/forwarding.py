@@ -107,9 +107,12 @@ class Forwarding:
                     limited.take([fitting.pop(index) for index in [*fitting] if names[index] == row])
             self.hand_on([*fitting.values()], destination)
 
-    def hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> None:
-        """Send datagrams that the end may get to its destination, in the form of the policy, and count them."""
-        self._hand_on(datagrams, destination, self._send_raw if self._to_all else self._send)
+    def hand_on(self, datagrams: Sequence[bytes], destination: Destination) -> int:
+        """Send datagrams that the end may get to its destination, in the form of the policy, and count them.
+
+        Returns how many the network accepted.
+        """
+        return self._hand_on(datagrams, destination, self._send_raw if self._to_all else self._send)
 
     def hand_on_again(self, datagram: bytes, destination: Destination, row: str) -> None:
         """Send a datagram of a row once more, unless all datagrams are forwarded."""
@@ -129,10 +132,11 @@ class Forwarding:
                 self._counters.count_unforwarded(peer, len(datagram), limit)
         return {index: datagram for index, datagram in datagrams.items() if len(datagram) <= limit}
 
-    def _hand_on(self, datagrams: Sequence[bytes], destination: Destination, send: Send) -> None:
+    def _hand_on(self, datagrams: Sequence[bytes], destination: Destination, send: Send) -> int:
         if sent := send(datagrams, destination):
             with self._counting:  # the timekeeper forwards, too
                 self._counters.account.forwarded[destination.end.peer] += sent
+        return sent
 
 
 class LimitedForward:
@@ -196,4 +200,6 @@ class LimitedForward:
             count = len(datagrams)
             datagrams = self.changes.choose(datagrams, time.monotonic())
             self._forwarding.withhold(self.destination, self.row, "unchanged", count - len(datagrams))
-        self._forwarding.hand_on(datagrams, self.destination)
+        sent = self._forwarding.hand_on(datagrams, self.destination)
+        if self.changes is not None and sent < len(datagrams):
+            self.changes.not_sent()

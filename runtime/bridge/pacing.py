@@ -99,7 +99,7 @@ class Changes:
         self._on_change, self._signature = limits.on_change, signature
         self._interval = math.inf if limits.at_least_ms is None else limits.at_least_ms / 1000
         self._last: bytes | None = None
-        self._content = b""
+        self._content: bytes | None = None
         self.next_due = math.inf
         """Time at which `again` has the last datagram; infinity for never."""
 
@@ -108,11 +108,15 @@ class Changes:
         chosen = []
         for datagram in datagrams:
             content = self._without_signature(datagram)
-            if self._on_change and self._last is not None and content == self._content and now < self.next_due:
+            if self._on_change and content == self._content and now < self.next_due:
                 continue
             self._last, self._content, self.next_due = datagram, content, now + self._interval
             chosen.append(datagram)
         return chosen
+
+    def not_sent(self) -> None:
+        """Let the next datagram pass, because the network has refused one that was chosen."""
+        self._content = None
 
     def again(self, now: float) -> bytes | None:
         """Return the last datagram if nothing was sent for too long."""

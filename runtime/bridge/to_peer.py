@@ -186,6 +186,8 @@ class OutboundRow:
                 self._watchdog.message_passed(time.monotonic())
         if failed := len(datagrams) - sent:
             self._account.failed[self.name] += failed
+            if self._changes is not None:
+                self._changes.not_sent()
 
     def _stop_is_due(self, watchdog: Watchdog, now: float) -> bool:
         """Return true if the stop must be sent now. Log a warning when the topic has just become silent."""

@@ -62,7 +62,8 @@ def _mirrored(handler: H, end: EndName) -> H:
         board="",
         request=route.request if is_ours else None,  # a forwarded one is answered on the rover
     )
-    members = {"route": mirror, "__module__": kind.__module__}  # the native core finds the package by the module
+    # The native core finds the package by the module. The link to the rover does not measure the clock of a board.
+    members = {"route": mirror, "__module__": kind.__module__, "board_stamp": None}
     made: H = type(kind.__name__, (kind,), members)()
     return made
 

@@ -18,6 +18,7 @@ from roverlink.runtime import Bridge, Qos, Registry, SetupError
 from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME
 from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.core.errors import NOT_PROVEN
+from roverlink.runtime.core.handler import BoardStamp
 from roverlink.runtime.core.mirror import end_named, mirrored
 from roverlink.runtime.core.registry import End, EndName
 from roverlink.runtime.core.signing import Key, Signer, SigningClock
@@ -135,10 +136,15 @@ def test_both_ends_of_a_line() -> None:
 
 
 def test_what_a_mirrored_row_says() -> None:
-    """A limit of the topic stays; that of what the rover sends is the rover's work, and so is the stop."""
+    """A limit of the topic stays; that of what the rover sends is the rover's work, and so are stops and clocks."""
     registry = changed(changed(REGISTRY, "control_mode", max_rate=5), "rover_localization", max_rate=3, priority=2)
     registry = changed(registry, "imu_info", max_rate=4, expect_rate=50)
-    base = mirrored(registry, BASE, 5000)
+    stamped = [
+        type("Stamped", (type(one),), {"board_stamp": BoardStamp(("x",), 1, 32)})() for one in registry.extra_topics
+    ]
+    base = mirrored(dataclasses.replace(registry, extra_topics=tuple(stamped)), BASE, 5000)
+    assert base.extra_topics
+    assert not base.board_stamps
     routes = {name: handler.route for name, handler in base.by_name.items()}
     rates = {name: (route.max_rate, route.inbound) for name, route in routes.items() if route.max_rate}
     assert rates == {"control_mode": (5, False), "imu_info": (4, True)}

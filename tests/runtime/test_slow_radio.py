@@ -12,13 +12,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridge_rig import QUIET, Rig, changed, envelope, listener, of_peers, waiting
+from bridge_rig import QUIET, Rig, changed, end, envelope, listener, of_peers, waiting
+from lines import cable
 from polling import wait_until
 from test_signed_bridge import SignedRig, signing
 
 from generated.registry import REGISTRY
 from roverlink.runtime import Registry
 from roverlink.runtime.core.handler import Deadman, SendLimits
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.net.carrier import Outgoing
 from roverlink.runtime.net.outbox import Outbox, number_of, priority_by_number
 
@@ -88,6 +90,22 @@ def test_a_row_is_sent_on_change_and_again_without_a_message() -> None:
         assert rig.arrived("hardware", 4)[:4] == [first, second, second, second]
         assert (rig.account.sent["drive_motor"], rig.account.unchanged["drive_motor"]) == (2, 3)
         wait_until(lambda: rig.account.repeated["drive_motor"] >= 2, "the counts")
+
+
+@pytest.mark.parametrize("budget", [None, 100_000])
+def test_what_the_network_refused_is_not_the_state_that_an_end_has(tmp_path: Path, budget: int | None) -> None:
+    """The same payload is sent as soon as there is a connection, and the one before counts as failed."""
+    registry = changed(_forwarding(on_change=True), "detected_object", send=SendLimits(on_change=True))
+    with Rig(of_peers(registry, basestation=end("base", f"serial:{tmp_path}/tty", budget=budget))) as rig:
+        rig.receive(_imu(1))
+        rig.publish("detected_object")
+        with cable(tmp_path / "tty") as plugged:
+            wait_until(lambda: rig.bridge.link_states()[EndName("basestation")].state == "ok", "a connection")
+            rig.receive(_imu(1))
+            rig.publish("detected_object")
+            assert plugged.receive() == _imu(1)
+            assert REGISTRY.envelope.FromString(plugged.receive()).HasField("detected_object")
+        assert (rig.account.failed, rig.account.forwarded) == ({"detected_object": 1}, {"basestation": 1})
 
 
 def _flooded(budget: int, **more: Any) -> Registry:
