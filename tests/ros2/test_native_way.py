@@ -286,6 +286,7 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
     sent = {name: _waiting(peers[name], count) for name, count in waiting.items()}
     if carrier is not None:
         carrier.close()
+        counted["link_events"].pop("hardware disconnected", None)  # if the board was long in coming
     for sock in (*peers.values(), stranger):
         sock.close()
     assert not bridge.account.discrepancies()
