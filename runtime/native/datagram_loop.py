@@ -174,7 +174,7 @@ class DatagramLoop:
         largest: int,
         not_published: Callable[[AnyHandler | AnyStandardHandler], None],
         wait: Callable[[str], None],
-        send: Callable[[Destination, list[bytes]], None],
+        send: Callable[[Destination, list[bytes]], object],
         admit: Callable[[str, Sender], Source | None],
         look: Callable[[], None],
     ) -> None:

@@ -17,7 +17,7 @@ class PythonCalls:
         self.failure: BaseException | None = None
         """Error of a call, which ended the loop."""
 
-    def guarded(self, call: Callable[..., None], *arguments: Any) -> int:
+    def guarded(self, call: Callable[..., object], *arguments: Any) -> int:
         """Return 0 after a call, or 1 if it raised an error; 1 ends the loop of the core."""
         try:
             if self.ring is not None:  # what Python handles is newer
