@@ -166,9 +166,10 @@ def _with_rows_of(peer: str | None, registry: Registry) -> Registry:
 def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.ExitStack) -> Sequence[Path]:
     """Make keys for this run, if a peer must sign; return their files, which ``stack`` removes.
 
-    Raises `SetupError` if no bridge is started, because a running bridge has keys of its own.
+    Raises `SetupError` if a simulated peer must sign and no bridge is started: a running bridge has keys of its own.
     """
-    must_sign = [peer.name for peer in registry.peers if peer.must_sign]
+    simulated = {handler.route.peer for handler in registry.handlers}  # a bridge needs the keys of all peers
+    must_sign = [peer.name for peer in registry.peers if peer.must_sign and (bridge or peer.name in simulated)]
     if not must_sign:
         return ()
     if bridge is None:
