@@ -119,6 +119,7 @@ class RolledDistance:
         self._unclear = 0
         self.ignored = 0
         """Number of reports that were ignored."""
+        self._was_ignored = False
         self._lefts = deque[float](maxlen=_COMPARED)
         self._smallest = math.inf
         """Smallest difference in metres between two reports that came soon after each other."""
@@ -196,6 +197,7 @@ class RolledDistance:
             adopted = self._adopted(self._at, now, left)
             if adopted is not None:
                 return self._accept(self._at, now, left, adopted)
+            self._was_ignored = True  # a repeated one is no loss
         self.ignored += 1
         return None
 
@@ -333,7 +335,10 @@ class RolledDistance:
             self._moved_at = now
         if left:
             self._compare(left)
-        unsure, variance = math.copysign(self._at_changes(taken), taken.distance), taken.variance
+        same = self._at_changes(taken)
+        if self._was_ignored:  # what the ignored report was about may have been driven, or not
+            same, self._was_ignored = math.hypot(same, self.speed * _seconds(since, now)), False
+        unsure, variance = math.copysign(same, taken.distance), taken.variance
         if command is not self._command:
             variance += _ALIKE * unsure**2
         if taken.distance and left:  # after a stop, a correction may be backwards
