@@ -24,8 +24,10 @@ from roverlink.simulation.scenarios import World
 
 pytestmark = pytest.mark.slow
 _S, _MS, _US = 10**9, 10**6, 10**3
+# Each table with a link message has the same message roverlink.Link. A process can load it from one path only, which is
+# that of the other project of the tests (`linked`).
 _TABLE = """\
-envelope: {file: depth/envelope.proto, message: depth.Envelope, oneof: payload}
+envelope: {file: linked/depth_envelope.proto, message: linked.DepthEnvelope, oneof: payload}
 ros: {package: depth_msgs}
 python: {package: depth_rover}
 peers: {board: {}}
