@@ -102,9 +102,7 @@ class OutboundRow:
         """Send the stop if it is due; otherwise the waiting message if its time has come, or the last one again."""
         if self._watchdog and self._stop_is_due(self._watchdog, now):
             self._tell_to_stop()
-        elif (self._changes is not None or (self.pacer is not None and self.pacer.waits)) and self.lock.acquire(
-            blocking=False
-        ):
+        elif self._next_send < math.inf and self.lock.acquire(blocking=False):
             try:
                 if self.pacer is not None and (message := self.pacer.take(now)) is not None:
                     self._pass_on([message])
@@ -116,10 +114,15 @@ class OutboundRow:
     @property
     def next_due(self) -> float:
         """Time at which `run_due` has something to do, unless a message arrives before."""
-        slot = self.pacer.next_slot if self.pacer else None
         stop = self._watchdog.next_due if self._watchdog else math.inf
+        return min(stop, self._next_send)
+
+    @property
+    def _next_send(self) -> float:
+        """Time at which the waiting message, or the last one again, may be sent; infinity for never."""
+        slot = self.pacer.next_slot if self.pacer else None
         again = self._changes.next_due if self._changes else math.inf
-        return min(stop, again, math.inf if slot is None else slot)
+        return again if slot is None else min(slot, again)
 
     def end(self) -> None:
         """Send the last datagram at shutdown: the waiting message, or the stop if the row has a watchdog.

@@ -97,7 +97,7 @@ class RowRequest:
     timeout_ms: int
     """Time in milliseconds to wait for the response before the request is sent again."""
     attempts: int
-    """How often the request is sent."""
+    """Number of times that the request is sent before it counts as unanswered."""
     field: str = ""
     """Integer field of both payloads by which they belong together; empty if there is one request at a time."""
     service: RowService | None = None

@@ -1,28 +1,11 @@
 /* The functions of roverlink_framing.c as a filter of lines: "write DATAGRAM" to its frame; "read CAPACITY BYTES" to the
    datagrams in the bytes and the count of refused frames. All bytes are hexadecimal. */
+#include "hexadecimal.h"
 #include "roverlink_framing.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static size_t unhex(const char * text, uint8_t * bytes)
-{
-  size_t size = 0;
-  unsigned byte;
-  for (; sscanf(text, "%2x", &byte) == 1; text += 2) {
-    bytes[size++] = (uint8_t)byte;
-  }
-  return size;
-}
-
-static void print(const uint8_t * bytes, size_t size)
-{
-  size_t i;
-  for (i = 0; i < size; ++i) {
-    printf("%02x", bytes[i]);
-  }
-}
 
 int main(void)
 {

@@ -1,4 +1,5 @@
 /* The functions of roverlink_signing.c as a filter: a line of signing_vectors.tsv in, what the functions make of it out. */
+#include "hexadecimal.h"
 #include "roverlink_signing.c"
 
 #include <stdio.h>
@@ -6,25 +7,6 @@
 
 static const char * const VERDICTS[] = {"accepted",  "unsigned", "malformed_signature", "unknown_key", "wrong_signature",
                                         "replayed", "outdated", "ahead"};
-
-static size_t unhex(const char * text, uint8_t * bytes)
-{
-  size_t size = 0;
-  unsigned byte;
-  for (; sscanf(text, "%2x", &byte) == 1; text += 2) {
-    bytes[size++] = (uint8_t)byte;
-  }
-  return size;
-}
-
-static void print(const uint8_t * bytes, size_t size)
-{
-  size_t i;
-  for (i = 0; i < size; ++i) {
-    printf("%02x", bytes[i]);
-  }
-  printf("\n");
-}
 
 int main(void)
 {
@@ -61,9 +43,10 @@ int main(void)
         roverlink_clock clock;
         roverlink_clock_start(&clock, timestamp, 0);
         key.last = timestamp;
-        printf("%s\n", VERDICTS[roverlink_verify(&key, 1, number, &clock, 0, bytes, &length, sizeof bytes)]);
+        printf("%s", VERDICTS[roverlink_verify(&key, 1, number, &clock, 0, bytes, &length, sizeof bytes)]);
       }
     }
+    printf("\n");
   }
   return 0;
 }

@@ -249,7 +249,7 @@ def test_streams_take_turns_on_the_link() -> None:
 
 
 def test_the_video_takes_what_the_telemetry_leaves_of_a_budget() -> None:
-    """What a bridge tells of its budgets on /diagnostics; a link with less sends the same later."""
+    """A link gets the rate that the telemetry leaves of the budget, as /diagnostics of a bridge tells it."""
     graph = Graph()
     qualities = LinkQualities(MemoryMiddleware(graph), lambda: None, pytest.fail)
     publish = MemoryMiddleware(graph).publisher(diagnostic_array.TOPIC, DiagnosticArray, diagnostic_array.QOS).publish
