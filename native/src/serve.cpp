@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "frame.hpp"
+#include "direct.hpp"
 #include "memory.hpp"
+#include "outgoing.hpp"
 #include "pacing.hpp"
-#include "roverlink/bridge.h"
 #include "ring.hpp"
-#include "sending.hpp"
+#include "roverlink/bridge.h"
 #include "shared_counts.hpp"
-#include "signing.hpp"
 #include "times.hpp"
 
 namespace roverlink {
@@ -19,22 +18,9 @@ namespace {
 
 constexpr uint32_t MOST = 64;        // messages taken at a time; the same numbers as in middleware/serving.py
 constexpr uint32_t MOST_BEHIND = 8;  // the same for a topic of low priority: urgent topics wait until these are handled
-constexpr uint32_t EVERYTHING = 0x7f;     // DDS_ANY_STATE
 constexpr int64_t NEVER = INT64_MAX;      // DDS_INFINITY
 constexpr int32_t NOTHING_TAKEN = 401;    // RCL_RET_SUBSCRIPTION_TAKE_FAILED
 constexpr size_t ROOM = size_t{1} << 20;  // for the datagrams of a batch; longer messages are not converted
-constexpr size_t HEADER = 10;             // bytes of the envelope before the payload, at most
-
-uint8_t *write_varint_before(uint8_t *end, uint64_t value) {
-  uint8_t digits[10];
-  size_t count = 0;
-  do {
-    digits[count] = static_cast<uint8_t>((value & 0x7f) | (value > 0x7f ? 0x80 : 0));
-    value >>= 7;
-    ++count;
-  } while (value != 0);
-  return std::copy(digits, digits + count, end - count) - count;
-}
 
 void *allocate(size_t size, void *) { return std::malloc(size); }
 void deallocate(void *memory, void *) { std::free(memory); }
@@ -47,27 +33,41 @@ class Server {
   explicit Server(rl_server &server)
       : server_(server),
         out_(memory_for<uint8_t>(ROOM)),
-        triggered_(memory_for<intptr_t>(size_t{server.n_topics} + 1)) {}
+        triggered_(memory_for<intptr_t>(2 * size_t{server.n_topics} + 1)),
+        direct_(server) {}
 
   ~Server() { std::free(message_.buffer); }
   Server(const Server &) = delete;
   Server &operator=(const Server &) = delete;
 
   int run() {
-    if (out_ == nullptr || triggered_ == nullptr) return -1;
-    intptr_t *const triggered = triggered_.get();
-    const bool is_rcl = server_.reading.take_one != nullptr;
-    while (!load(server_.stopping)) {
-      const int32_t count = is_rcl ? wait_for_rcl()
-                                   : server_.reading.wait(server_.waitset, triggered, server_.n_topics + 1, NEVER);
-      if (count < 0) return -1;
-      std::sort(triggered, triggered + count);  // the most urgent first
-      if (const int ended = serve_ready(triggered, triggered + count)) return ended;
+    if (out_ == nullptr || triggered_ == nullptr || !direct_.start()) return -1;
+    int ended = 0;
+    while (ended == 0 && !load(server_.stopping)) {
+      intptr_t *const triggered = triggered_.get();
+      const int32_t count = server_.reading.take_one != nullptr ? wait_for_rcl() : wait_for_dds();
+      if (count < 0) ended = -1;
+      std::sort(triggered, triggered + std::max(count, 0));  // the most urgent first
+      if (ended == 0) ended = serve_ready(triggered, triggered + count);
     }
-    return 0;
+    direct_.stop();
+    for (uint32_t index = 0; index < server_.n_topics; ++index)
+      if (ended == 0 && direct_.has(index)) ended = serve_held(index);
+    return ended;
   }
 
  private:
+  int32_t wait_for_dds() {
+    intptr_t *const triggered = triggered_.get();
+    const int32_t count = server_.reading.wait(server_.waitset, triggered, server_.n_topics + 1, NEVER);
+    intptr_t *end = triggered + std::max(count, 0);
+    if (std::find(triggered, end, -1) == end) return count;
+    server_.reading.set_guard(server_.wake, false);
+    for (uint32_t index = 0; index < server_.n_topics; ++index)
+      if (direct_.has(index) && direct_.is_left(index)) *end++ = index;
+    return static_cast<int32_t>(end - triggered);
+  }
+
   // As `serve` in middleware/serving.py: before each further topic, all that are more urgent are served again.
   int serve_ready(const intptr_t *first, const intptr_t *last) {
     bool took_time = false;
@@ -99,7 +99,13 @@ class Server {
     if (load(server_.stopping)) return 0;
     rl_subscription *topic = server_.topics[index];
     if (server_.reading.take_one != nullptr) return serve_rcl(index, *topic, most);
-    if (topic == nullptr || !load(topic->native)) return server_.calls.serve(index, most);
+    const bool is_direct = direct_.has(index);
+    if (is_direct) {
+      if (!direct_.is_left(index)) return 0;
+      if (const int ended = serve_held(index)) return ended;
+    } else if (topic == nullptr || !load(topic->native)) {
+      return server_.calls.serve(index, most);
+    }
     void *samples[MOST] = {};
     rl_sample_info infos[MOST];
     const int32_t count = server_.reading.take(topic->reader, samples, most, infos, EVERYTHING);
@@ -108,12 +114,33 @@ class Server {
     int ended = 0;
     for (int32_t one = 0; one < count; ++one) {
       // A sample without valid data says that an instance was disposed; ROS topics have no instances.
-      if (ended == 0 && infos[one].valid_data) ended = read(samples[one]) ? handle(index, *topic, one == newest) : -1;
+      if (ended == 0 && infos[one].valid_data) ended = handle_sample(index, *topic, samples[one], one == newest);
       server_.reading.unref(samples[one]);
     }
     // Python reads again, and raises the error.
     if (count < 0) return server_.calls.serve(index, most);
-    return ended != 0 ? ended : send(index, *topic);
+    if (ended == 0) ended = send(index, *topic);
+    if (is_direct && static_cast<uint32_t>(count) == most)
+      direct_.wake();
+    else if (is_direct)
+      direct_.give_back(index);
+    return ended;
+  }
+
+  // Handles what the thread of Cyclone DDS has taken but could not send.
+  int serve_held(uint32_t index) {
+    void *samples[DirectTopics::MOST_DIRECT];
+    const uint32_t count = direct_.take_held(index, samples);
+    int ended = 0;
+    for (uint32_t one = 0; one < count; ++one) {
+      if (ended == 0) ended = handle_sample(index, *server_.topics[index], samples[one], true);
+      server_.reading.unref(samples[one]);
+    }
+    return ended != 0 ? ended : send(index, *server_.topics[index]);
+  }
+
+  int handle_sample(uint32_t index, rl_subscription &topic, const void *sample, bool is_newest) {
+    return read_sample(server_.reading, sample, message_) ? handle(index, topic, is_newest) : -1;
   }
 
   // The same with rcl, which takes one message at a time. It also takes the messages that Python handles: Python would
@@ -133,20 +160,6 @@ class Server {
     return code == 0 || code == NOTHING_TAKEN ? 0 : server_.calls.serve(index, most);
   }
 
-  // Copies a sample of Cyclone DDS to `message_`. Returns false if memory is short.
-  bool read(const void *sample) {
-    const size_t size = server_.reading.size(sample);
-    if (size > message_.capacity) {
-      void *const longer = std::realloc(message_.buffer, size);
-      if (longer == nullptr) return false;
-      message_.buffer = static_cast<uint8_t *>(longer);
-      message_.capacity = size;
-    }
-    server_.reading.bytes(sample, 0, size, message_.buffer);
-    message_.length = size;
-    return true;
-  }
-
   // Converts `message_`, or hands it over.
   int handle(uint32_t index, rl_subscription &topic, bool is_newest) {
     const size_t size = message_.length;
@@ -154,11 +167,8 @@ class Server {
       if (free_ < ROOM / 2 || n_datagrams_ == MOST)
         if (const int ended = send(index, topic)) return ended;
       uint8_t *const end = out_.get() + free_ - (topic.signer != nullptr ? SIGNATURE_ROOM : 0);
-      size_t written = static_cast<size_t>(end - out_.get()) - HEADER;
-      if (rl_to_proto(server_.table, topic.translation, server_.workspace, message_.buffer, size,
-                      out_.get() + HEADER, &written) == RL_OK) {
-        uint8_t *begin = write_varint_before(end - written, written);
-        begin = write_varint_before(begin, uint64_t{topic.number} << 3 | DELIMITED);
+      if (uint8_t *const begin =
+              write_envelope(server_, topic, server_.workspace, message_, out_.get(), end)) {
         auto made = static_cast<size_t>(end - begin);
         const size_t whole = made;
         if (topic.strips_zeros) made = without_zeros(begin, made);
@@ -223,6 +233,7 @@ class Server {
   bool is_left_ = true;  // of rcl: a topic may have messages of which `wake` has told already
   Memory<uint8_t> out_;
   Memory<intptr_t> triggered_;
+  DirectTopics direct_;
   rl_datagram datagrams_[MOST] = {};
   bool is_cut_[MOST] = {};  // zeros at the datagram's end were stripped
   uint32_t n_datagrams_ = 0;

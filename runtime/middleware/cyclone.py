@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import ctypes
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import repeat
 from pathlib import Path
 from types import SimpleNamespace
@@ -192,11 +192,11 @@ class RawReader:
 class NativeWaitSet:
     """Wait set for the native core. A context manager, which deletes the wait set on exit."""
 
-    def __init__(self, participant: Entity, conditions: Sequence[Entity], wake: Entity) -> None:
-        """Trigger with the index of a condition, and with -1 for ``wake``."""
-        self.reference = int(_library.dds_create_waitset(participant._ref))
-        for index, condition in (*enumerate(conditions), (-1, wake)):
-            _library.dds_waitset_attach(self.reference, condition._ref, index)
+    def __init__(self, participant: Entity, conditions: Mapping[int, Entity], wake: Entity) -> None:
+        """Trigger with the key of a condition, and with -1 for ``wake``."""
+        self.reference, self.wake = int(_library.dds_create_waitset(participant._ref)), int(wake._ref)
+        for key, condition in {**conditions, -1: wake}.items():
+            _library.dds_waitset_attach(self.reference, condition._ref, key)
 
     def __enter__(self) -> NativeWaitSet:
         return self
@@ -207,8 +207,19 @@ class NativeWaitSet:
 
 def reading_functions() -> Reading:
     """Return the functions by which the native core takes samples. Raises AttributeError if the library lacks one."""
-    names = ("dds_waitset_wait", "dds_takecdr", "ddsi_serdata_size", "ddsi_serdata_to_ser", "ddsi_serdata_unref")
-    return Reading(*(ctypes.cast(getattr(_library, name), ctypes.c_void_p).value for name in names))
+    functions = {
+        "wait": _library.dds_waitset_wait,
+        "take": _library.dds_takecdr,
+        "size": _library.ddsi_serdata_size,
+        "bytes": _library.ddsi_serdata_to_ser,
+        "unref": _library.ddsi_serdata_unref,
+        "new_listener": _library.dds_create_listener,
+        "on_data_available": _library.dds_lset_data_available,
+        "set_listener": _library.dds_set_listener,
+        "delete_listener": _library.dds_delete_listener,
+        "set_guard": _library.dds_set_guardcondition,
+    }
+    return Reading(**{name: ctypes.cast(function, ctypes.c_void_p).value for name, function in functions.items()})
 
 
 def delete(entity: Entity) -> None:

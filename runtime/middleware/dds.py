@@ -322,13 +322,16 @@ class DdsMiddleware(Middleware):
         with self._changing:
             self._changed.set(False)
             topics = self._topics
-            conditions = [self._conditions[id(topic.reader)] for topic in topics]
-            server.prepare(topics)
+            conditions = {
+                index: self._conditions[id(topic.reader)]
+                for index, (topic, is_direct) in enumerate(zip(topics, server.prepare(topics)))
+                if not is_direct
+            }
             self._serving.acquire()
         try:
             if not self._stopped.read():
                 with NativeWaitSet(self._participant, conditions, self._changed) as waitset:
-                    server.run(waitset.reference)
+                    server.run(waitset.reference, waitset.wake)
         finally:
             self._serving.release()
 

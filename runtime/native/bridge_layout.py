@@ -162,7 +162,13 @@ class Bridge(ctypes.Structure):
 class Reading(ctypes.Structure):
     """Addresses of functions of the middleware's library: those of Cyclone DDS, or the one of rcl."""
 
-    _fields_ = tuple((name, ctypes.c_void_p) for name in ("wait", "take", "size", "bytes", "unref", "take_one"))
+    _fields_ = tuple(
+        (name, ctypes.c_void_p)
+        for name in (
+            *("wait", "take", "size", "bytes", "unref", "take_one"),
+            *("new_listener", "on_data_available", "set_listener", "delete_listener", "set_guard"),
+        )
+    )
 
 
 class Subscription(ctypes.Structure):
@@ -175,7 +181,7 @@ class Subscription(ctypes.Structure):
         ("socket", ctypes.POINTER(ctypes.c_int32)),
         ("signer", ctypes.POINTER(Signer)),
         ("pacer", ctypes.c_void_p),
-        *_words("segments", "observed", "strips_zeros", "unused"),
+        *_words("segments", "observed", "strips_zeros", "is_direct"),
         ("taken", ctypes.c_uint64),
         ("sent", ctypes.c_uint64),
         ("sent_at", ctypes.c_int64),
@@ -206,7 +212,9 @@ class Server(ctypes.Structure):
         ("reading", Reading),
         ("calls", ServingCalls),
         ("observers", ctypes.POINTER(Ring)),
+        ("direct_workspace", ctypes.c_void_p),
         *_words("n_topics"),
         ("waitset", ctypes.c_int32),
-        *_words("stopping", "unused"),
+        ("wake", ctypes.c_int32),
+        *_words("stopping"),
     )

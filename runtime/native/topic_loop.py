@@ -40,7 +40,7 @@ class TopicLoop:
     def __init__(self, core: NativeCore, reading: native.Reading) -> None:
         """Take messages with the functions ``reading`` of the middleware."""
         self._core, self._reading = core, reading
-        self._workspace = core.new_workspace(self)
+        self._workspace, self._direct_workspace = core.new_workspace(self), core.new_workspace(self)
         self._topics: Sequence[Topic] = ()
         self._python = PythonCalls()
         guarded = self._python.guarded
@@ -52,8 +52,12 @@ class TopicLoop:
         )
         self._server = native.Server()
 
-    def prepare(self, topics: Sequence[Topic]) -> None:
-        """Serve these topics at the next `run`, the most urgent first."""
+    def prepare(self, topics: Sequence[Topic]) -> Sequence[bool]:
+        """Serve these topics at the next `run`, the most urgent first.
+
+        Returns which of them the core serves without the wait set of `run`, if the middleware has listeners: those of
+        which nothing is signed, limited or observed.
+        """
         structs = (ctypes.POINTER(native.Subscription) * len(topics))()
         for index, topic in enumerate(topics):
             if topic.lent is not None:
@@ -64,6 +68,8 @@ class TopicLoop:
         for index, topic in enumerate(topics):
             if (lent := topic.lent) is not None:
                 lent.struct.observed = bool(lent.taps) + 2 * bool(lent.datagram_taps)
+                plain = not (lent.struct.observed or lent.struct.signer or lent.struct.pacer)
+                lent.struct.is_direct = plain and self._reading.new_listener is not None
                 taps |= {2 * index: lent.taps, 2 * index + 1: lent.datagram_taps}
         if any(taps.values()):
             self._python.ring = ObserverRing(self._core, taps, "observe-topics").__enter__()
@@ -75,16 +81,18 @@ class TopicLoop:
             reading=self._reading,
             calls=self._calls,
             observers=ctypes.pointer(self._python.ring.struct) if self._python.ring is not None else None,
+            direct_workspace=self._direct_workspace,
             n_topics=len(topics),
         )
+        return [topic.lent is not None and bool(topic.lent.struct.is_direct) for topic in topics]
 
-    def run(self, waitset: int) -> None:
+    def run(self, waitset: int, wake: int = 0) -> None:
         """Serve the topics until `stop` is called. Raises what a callback raised, or `MiddlewareError`.
 
-        ``waitset`` is a wait set of Cyclone DDS, triggered with the index of a topic, or with -1 to wake the loop. With
-        rcl, it is an eventfd.
+        ``waitset`` is a wait set of Cyclone DDS, triggered with the index of a topic, or with -1 by the guard condition
+        ``wake``. With rcl, it is an eventfd.
         """
-        self._server.waitset = waitset
+        self._server.waitset, self._server.wake = waitset, wake
         if self._core.library.rl_serve(ctypes.byref(self._server)):
             raise self._python.failure or MiddlewareError("the native core cannot wait for messages")
 

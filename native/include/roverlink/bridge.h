@@ -247,6 +247,11 @@ typedef struct rl_reading {
   void (*bytes)(const void *serdata, size_t first, size_t size, void *out);
   void (*unref)(void *serdata);
   int32_t (*take_one)(const void *subscription, rl_rcl_message *, void *info, void *allocation);
+  void *(*new_listener)(void *argument);
+  void (*on_data_available)(void *listener, void (*)(int32_t reader, void *argument));
+  int32_t (*set_listener)(int32_t reader, const void *listener); /* waits for calls of the one before */
+  void (*delete_listener)(void *);
+  int32_t (*set_guard)(int32_t condition, bool triggered);
 } rl_reading;
 
 /* Topic whose messages go to a peer. */
@@ -262,7 +267,8 @@ typedef struct rl_subscription {
   uint32_t observed;       /* bits: 1 if observers get the messages, on channel 2 * index; 2 if they get the datagrams, on
                               the next channel */
   uint32_t strips_zeros;   /* 1 if the peer gets its datagrams without the zeros at their end */
-  uint32_t unused;
+  uint32_t is_direct;      /* 1 if the thread of Cyclone DDS that receives a single message may send it: nothing is
+                              signed, limited or observed */
   uint64_t taken, sent;    /* N */
   int64_t sent_at;         /* N: time of the last datagram, in nanoseconds of the monotonic clock */
   const void *subscription; /* of rcl */
@@ -289,11 +295,13 @@ typedef struct rl_server {
   rl_reading reading;
   rl_serving_calls calls;
   rl_ring *observers;              /* null without observers */
+  rl_workspace *direct_workspace;  /* for the threads of Cyclone DDS */
   uint32_t n_topics;
-  int32_t waitset;                 /* of Cyclone DDS: what triggers it is an index in `topics`, or -1 for `stopping`;
-                                      with rcl, an eventfd, and each topic has an rl_subscription */
+  int32_t waitset;                 /* of Cyclone DDS: what triggers it is an index in `topics`, or -1 for `wake`; direct
+                                      topics do not trigger it. With rcl, an eventfd, and each topic has an
+                                      rl_subscription */
+  int32_t wake;                    /* guard condition of Cyclone DDS: for `stopping`, and for direct topics */
   uint32_t stopping;               /* P: 1 makes `rl_serve` return */
-  uint32_t unused;
 } rl_server;
 
 /* Take messages and send them until `stopping` is set. Returns as `rl_receive` does. */
