@@ -1,6 +1,6 @@
-"""Digests of the contents of the table and of .proto files, without comments, layout and the order of rows.
+"""Values and digests of the table and of .proto files, where the compiler would take too long.
 
-The generated code holds the digests of the files that it was compiled from. So `roverlink run` sees without a
+Digests do not depend on comments, layout and the order of rows. The generated code holds the digests of the files that it was compiled from. So `roverlink run` sees without a
 compilation that a file has changed since then.
 """
 
@@ -9,11 +9,12 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
 
 import yaml
 
-LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # PyYAML may be built without the fast one
-"""Fast loader, for tables that somebody else has checked."""
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # PyYAML may be built without the fast one
 _LENGTH = 16  # hexadecimal digits: 64 bits, because nobody attacks a file of his own
 _PROTO_TOKEN = re.compile(
     r"""//[^\n]*|/\*.*?\*/|("(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|\w+|\S)""", re.DOTALL
@@ -27,7 +28,21 @@ def proto_digest(text: str) -> str:
 
 def table_digest(text: str) -> str:
     """Return the digest of the values in a table. Raises `yaml.YAMLError` if the text is not YAML."""
-    return _node_digest(yaml.compose(text, LOADER), {})
+    return _node_digest(yaml.compose(text, _LOADER), {})
+
+
+def text_at(table: Path, *keys: str) -> str:
+    """Return the text at a path of keys in a table; empty if there is none, or if the table cannot be read.
+
+    The generator's reader of tables checks the whole table, which takes as long as all other steps of a start.
+    """
+    try:
+        node: Any = yaml.compose(table.read_bytes(), _LOADER)
+        for key in keys:
+            node = next(value for name, value in node.value if name.value == key)
+    except (OSError, yaml.YAMLError, StopIteration, AttributeError, TypeError, ValueError, RecursionError):
+        return ""
+    return str(node.value) if isinstance(node, yaml.ScalarNode) else ""
 
 
 def _node_digest(node: yaml.Node | None, known: dict[int, str]) -> str:

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from roverlink.generator import source_files
+from roverlink.generator.content_digest import text_at
 from roverlink.generator.ledger_names import LEDGER
 from roverlink.user_cache import CacheFile
 
@@ -42,21 +43,19 @@ class KnownResult:
         self._table = table.resolve()
         self._file = CacheFile(command, self._table, _version())
         body = self._file.load()
-        entry = json.loads(body) if body else {"root": None, "inputs": None, "result": None}
-        self._root = entry["root"]
-        self._before = None if self._root is None else self._inputs(self._root)
+        entry = json.loads(body) if body else {"root": "", "inputs": None, "result": None}
+        self._root = entry["root"] or text_at(self._table, "proto", "root")
+        self._before = self._inputs(self._root) if self._root else None
         self.value: Any = entry["result"] if self._before and self._before == entry["inputs"] else None
         """The result; None if there is none, or if an input has changed since."""
 
     def save(self, root: str, value: Any) -> None:
         """Keep the result of a run. ``root`` is the folder of the .proto files, relative to the table.
 
-        The result is kept if the inputs are still those from before the run. Before the first run of all, the folder is
-        not known: then only the folder is kept.
+        The result is kept if the inputs are still those from before the run.
         """
-        unchanged = root == self._root and self._before is not None and self._inputs(root) == self._before
-        entry = {"root": root, "inputs": self._before, "result": value} if unchanged else {"root": root}
-        self._file.save(json.dumps({"inputs": None, "result": None} | entry).encode())
+        if root == self._root and self._before is not None and self._inputs(root) == self._before:
+            self._file.save(json.dumps({"root": root, "inputs": self._before, "result": value}).encode())
 
     def _inputs(self, root: str) -> str | None:
         """Return a digest of all files that a command reads; None if some of them cannot be read."""

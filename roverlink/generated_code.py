@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import yaml
 
 from roverlink.console import TABLE
 from roverlink.generator import source_files
-from roverlink.generator.content_digest import LOADER, proto_digest, table_digest
+from roverlink.generator.content_digest import proto_digest, table_digest, text_at
 from roverlink.runtime import Registry, load_registry
 from roverlink.runtime.core.mirror import end_named, mirrored
 
@@ -30,23 +29,8 @@ def load_project(folder: Path, end: str = "") -> Registry:
 
 
 def _load(folder: Path) -> Registry:
-    package = _package(folder / TABLE)
+    package = text_at(folder / TABLE, "python", "package")
     return load_registry(folder, package) if package else load_registry(folder)
-
-
-def _package(table: Path) -> str:
-    """Return the import name of the generated code that a table gives; empty if it gives none, or cannot be read.
-
-    The generator's reader of tables takes longer than all other steps of a start together, because it checks the whole
-    table.
-    """
-    try:
-        node: Any = yaml.compose(table.read_bytes(), LOADER)
-        for key in ("python", "package"):
-            node = next(value for name, value in node.value if name.value == key)
-    except (OSError, yaml.YAMLError, StopIteration, AttributeError, TypeError, ValueError, RecursionError):
-        return ""
-    return str(node.value) if isinstance(node, yaml.ScalarNode) else ""
 
 
 def changed_sources(folder: Path, registry: Registry) -> list[str]:

@@ -30,7 +30,7 @@ def worked(project: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], tuple
         done.clear()
         return [main(["generate", "--check"]), main(["lint"])], len(done)
 
-    assert [run() for _ in range(3)] == [([0, 0], 2), ([0, 0], 2), ([0, 0], 0)]
+    assert [run() for _ in range(2)] == [([0, 0], 2), ([0, 0], 0)]
     return run
 
 
@@ -73,7 +73,6 @@ def test_a_cache_that_does_not_fit_is_no_cache(
     """Cut short, of another version, or asked for in a hook of git, which checks something else."""
     for file in (project.parent / "cache" / "roverlink").glob("*/*.json"):
         file.write_bytes(file.read_bytes()[:-1])
-    assert worked() == ([0, 0], 2)
     assert (worked(), worked()) == (([0, 0], 2), ([0, 0], 0))
     with monkeypatch.context() as hook:
         hook.setenv("GIT_INDEX_FILE", "index")
