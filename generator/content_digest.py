@@ -1,7 +1,7 @@
 """Values and digests of the table and of .proto files, where the compiler would take too long.
 
-Digests do not depend on comments, layout and the order of rows. The generated code holds the digests of the files that it was compiled from. So `roverlink run` sees without a
-compilation that a file has changed since then.
+Digests do not depend on comments, layout and the order of rows. The generated code holds the digests of the files that
+it was compiled from. So `roverlink run` sees without a compilation that a file has changed since then.
 """
 
 from __future__ import annotations
