@@ -25,7 +25,7 @@ from roverlink.runtime.net.hosts import Sender, sender_at
 _SO_RCVBUFFORCE = 33  # asm-generic/socket.h
 _SO_MEMINFO = 55  # asm-generic/socket.h
 _MEMINFO_DROPS = 8  # SK_MEMINFO_DROPS in linux/sock_diag.h
-_DRAIN_S = 0.5  # longest time to handle datagrams after the stop, and again to count the rest
+_DRAIN_S = 0.5  # longest time to handle datagrams after the stop
 _SIGNAL_S = 0.2
 """Interval in seconds at which a waiting main thread wakes up.
 
@@ -314,15 +314,17 @@ class Receiver(Generic[T]):
     def _drain(self) -> None:
         """Handle the datagrams that have arrived, but only for half a second: the sender may continue to send.
 
-        Then count the datagrams that are left in `left`, again for half a second at most.
+        Then count the datagrams that are left in `left`.
         """
         read, handle = self._path
         deadline = time.monotonic() + _DRAIN_S
         while time.monotonic() < deadline and (datagrams := read()):
             _in_batches(datagrams, handle)
-        deadline = time.monotonic() + _DRAIN_S
-        while time.monotonic() < deadline and (datagrams := read()):
-            self.left += len(datagrams)
+        with contextlib.suppress(OSError):  # the socket is closed
+            # A connected socket gets nothing from others any more, so that what is left has an end.
+            self._sock.connect(self._sock.getsockname())
+            while datagrams := read():
+                self.left += len(datagrams)
 
 
 def _in_batches(datagrams: list[T], handle: Callable[[list[T]], None]) -> None:
