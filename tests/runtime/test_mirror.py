@@ -161,12 +161,14 @@ def test_what_a_mirrored_row_says() -> None:
 
 
 def test_an_end_that_one_bridge_cannot_be() -> None:
-    """The whole peer, if its boards have ports of their own; each of its boards can be."""
+    """The whole peer, if its boards have addresses of their own; each of its boards can be."""
     boards = tuple(
         End(name, port_parameter=f"{name}_port", port=port) for name, port in (("ArmBoard", 1), ("Motors", 2))
     )
     registry = of_peers(REGISTRY, hardware={"boards": boards})
-    with pytest.raises(SetupError, match="the boards of hardware have ports of their own; name one of them: ArmBoard"):
+    with pytest.raises(
+        SetupError, match="the boards of hardware have addresses of their own; name one of them: ArmBoard"
+    ):
         mirrored(registry, end_named(registry, "hardware"), 5000)
     arm = mirrored(registry, end_named(registry, "ArmBoard"), 5000)
     assert arm.own is not None

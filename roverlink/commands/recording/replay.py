@@ -131,7 +131,7 @@ def run(arguments: argparse.Namespace) -> int:
         ticks: list[Tick] = []
         if arguments.role == "board":
             replay: BoardReplay | RosReplay = BoardReplay(recording, registry)
-            send = _to_bridge(stack.enter_context(way_to(arguments.to, print_undelivered)), stack)
+            send = _to_bridge(stack.enter_context(way_to(arguments.to, print_undelivered)).address, stack)
         else:
             wanted = {topic if topic.startswith("/") else f"/{topic}" for topic in arguments.topic}
             replay = ros = RosReplay(recording, registry, wanted, arguments.commands)
