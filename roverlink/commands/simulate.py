@@ -3,6 +3,8 @@
 Send the datagrams that the boards and the basestation of mapping.yaml would send, to test a bridge, or the
 ROS 2 nodes that use it, without boards. The values in the messages change with the time.
 
+The peers answer the requests of the bridge (table key `request`).
+
 With --to, the datagrams go to a running bridge. At the end, the command prints how many datagrams it sent,
 and the result that the bridge should count for them, such as 57 published, 3 malformed.
 
