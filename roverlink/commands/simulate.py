@@ -65,7 +65,6 @@ from roverlink.simulation.run_account import RunTotals, predict, resident_bytes,
 from roverlink.simulation.scenarios import SCENARIOS, Emission, Stream, World, emissions
 from roverlink.simulation.simulated_keys import SimulatedKeys, make_throw_away_keys
 from roverlink.simulation.simulated_nodes import SimulatedNodes
-from roverlink.suggestions import nearest
 
 _LOG_LEVEL = "error"  # its warnings repeat the counters of the final report
 RATE_OF_A_ROW_HZ = 20.0
@@ -165,9 +164,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _with_rows_of(peer: str | None, registry: Registry) -> Registry:
     if peer is None:
         return registry
-    if peer not in registry.peers_by_name:
-        raise SetupError(f"unknown peer {peer!r}; {nearest(peer, registry.peers_by_name)}")
-    return dataclasses.replace(registry, handlers=tuple(one for one in registry.handlers if one.route.peer == peer))
+    name = registry.peer(peer).name
+    return dataclasses.replace(registry, handlers=tuple(one for one in registry.handlers if one.route.peer == name))
 
 
 def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.ExitStack) -> Sequence[Path]:
