@@ -20,3 +20,9 @@ def node_parameters() -> dict[str, dict[str, Any]]:
     """Return the declaration of each ROS parameter by its name: ``default``, ``description``, ``unit`` and limits."""
     declared: dict[str, dict[str, Any]] = yaml.safe_load(_DECLARATIONS.read_text(encoding="utf-8"))
     return declared
+
+
+def largest_accepted() -> int:
+    """Return the size in bytes of the largest datagram that the bridge accepts if no parameter says otherwise."""
+    largest: int = node_parameters()["max_datagram"]["default"]
+    return largest

@@ -10,7 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Any, NamedTuple
 
-from roverlink.runtime.monitoring.liveness import liveness_of
+from roverlink.runtime.core.registry import EndName
+from roverlink.runtime.monitoring.liveness import link_age, liveness_of
 from roverlink.runtime.monitoring.monitor import ADDRESS_PROBLEMS
 
 _STATES = ("alive", "silent", "never", "listens")
@@ -210,7 +211,9 @@ def peers_of(
     whose clock stamps messages has ``stamps``, board or receipt, and ``clock_uncertainty`` in seconds if it is known.
     """
     # A peer to which rows are only forwarded has no row of its own.
-    peers = [_peer(name, node, rows, ends) for name in dict.fromkeys(entry["peer"] for entry in (*rows, *ends))]
+    names = dict.fromkeys(entry["peer"] for entry in (*rows, *ends))
+    ages = {EndName(link["peer"], link.get("board", "")): link["age"] for link in links if "age" in link}
+    peers = [_peer(name, node, rows, ends, ages) for name in names]
     end_of = {(end["peer"], end.get("board", "")): end for end in ends}
     report_of = {(link["peer"], link.get("board", "")): link for link in links}
     for peer in peers:
@@ -230,14 +233,21 @@ def peers_of(
 
 
 def _peer(
-    name: str, node: Mapping[str, Any], rows: Sequence[dict[str, Any]], ends: Sequence[Mapping[str, Any]]
+    name: str,
+    node: Mapping[str, Any],
+    rows: Sequence[dict[str, Any]],
+    ends: Sequence[Mapping[str, Any]],
+    ages: Mapping[EndName, float],
 ) -> dict[str, Any]:
     own = [row for row in rows if row["peer"] == name]
     boards = dict.fromkeys(entry.get("board", "") for entry in (*own, *ends) if entry["peer"] == name)
     # The rows without a board are a part as well.
-    parts = [_end(board, [row for row in own if row.get("board", "") == board]) for board in boards]
+    parts = [
+        _end(board, [row for row in own if row.get("board", "") == board], link_age(ages, EndName(name, board)))
+        for board in boards
+    ]
     return {
-        **_end(name, own),
+        **_end(name, own, link_age(ages, EndName(name))),
         "state": min((part["state"] for part in parts), key=_STATES.index, default="listens"),
         "boards": [part for part in parts if part["name"]],
         "stopping": [row["name"] for row in own if _stop_of(row) == "STOP"],
@@ -253,10 +263,10 @@ def _budget_text(budget: float | None, used: float) -> str:
     return "" if budget is None else f"{used / 1000:.1f} of {budget / 1000:g} kB/s sent"
 
 
-def _end(name: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
+def _end(name: str, rows: list[dict[str, Any]], age_of_link: float | None) -> dict[str, Any]:
     """Return what peers and boards have in common; ``silent_after`` is the age at which the end counts as silent."""
     inbound = [row for row in rows if row["direction"].endswith("_to_ros")]
-    liveness = liveness_of((row.get("age"), row.get("expect_rate")) for row in inbound)
+    liveness = liveness_of(((row.get("age"), row.get("expect_rate")) for row in inbound), age_of_link)
     rate_in = sum(row["rate"] for row in inbound)
     return {
         "name": name,

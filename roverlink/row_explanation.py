@@ -18,6 +18,7 @@ from roverlink.generator.example_payloads import EXAMPLE_S, payload_at
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.project import Question, lint_project
 from roverlink.generator.nanopb import Unbounded, envelope_size, largest_size
+from roverlink.generator.node_parameters import largest_accepted
 from roverlink.generator.pipeline import Compiled, compile_table
 from roverlink.generator.protos.schema import ProtoField
 from roverlink.generator.table import Row
@@ -85,7 +86,7 @@ class Project:
                 "history": route.qos.history,
                 "depth": route.qos.depth,
             },
-            "size": self._size(row),
+            "size": {**self._size(row), "accepted": largest_accepted() if row.inbound else None},
             "fields": [self._field(field, row) for field in (route.conversion.fields if route.conversion else ())],
             "standard": [self._standard(standard) for standard in route.standard_topics],
             "translation": self._translation(route),

@@ -12,6 +12,7 @@ from rich.cells import cell_len
 from rich.console import Console, RenderableType
 from rich.text import Text
 
+from roverlink.console import counted
 from roverlink.heard_bridges import DROPPED, QUIET_S, HeardBridge, HeardBridges, full_name, instance, place
 from roverlink.link_judgement import Condition, badness, conditions_of, worst_of
 
@@ -267,7 +268,8 @@ def _link_facts(link: dict[str, Any]) -> list[str]:
     losses = [f"{way} {100 * link[key]:.1f}%" for way, key in (("in", "loss_in"), ("out", "loss_out")) if key in link]
     facts = [f"loss {', '.join(losses)}"] if losses else []
     facts += [f"{name} {_time(link[key])}" for name, key in _LINK_TIMES if key in link]
-    facts += [f"{link[key]} {key}" for key in ("reordered", "duplicates", "restarts") if link.get(key)]
+    facts += [f"{link['reordered']} reordered"] if link.get("reordered") else []
+    facts += [counted(link[f"{one}s"], one) for one in ("duplicate", "restart") if link.get(f"{one}s")]
     facts += [f"{link['senders']} senders"] if link["senders"] > 1 else []
     return facts + ([f"last link message {link['age']:.0f} s ago"] if link.get("age", 0) > QUIET_S else [])
 

@@ -63,9 +63,9 @@ message Lit { bool on = 1; }
 """
 
 
-def write_asking_project(folder: Path) -> Path:
+def write_asking_project(folder: Path, table: str = TABLE) -> Path:
     """Write the project with its generated files into a folder, and return the folder."""
-    return write_project(folder, TABLE, _PROTO, "asking")
+    return write_project(folder, table, _PROTO, "asking")
 
 
 @cache

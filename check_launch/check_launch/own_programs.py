@@ -24,10 +24,13 @@ from check_launch.catalogue.facts import (
 from roverlink import nodes
 from roverlink.nodes.bridge_node import read_table_nodes
 from roverlink.nodes.installed import declared_nodes
+from roverlink.runtime import NODE
 
 PACKAGE = "rtt_slam"
 """ROS 2 package that installs commands of roverlink as programs: ``aruco_track`` is ``roverlink aruco track``."""
 _TYPES: Mapping[nodes.ParameterType, str] = {str: "string", float: "double", int: "integer", bool: "bool"}
+_OTHER_END = "--as"
+"""Option of the bridge that makes it the bridge of another end, with other topics and parameters."""
 _IMAGES = "images of the source"
 """Stands for the topic in the argument ``topic:NAME``. No parameter can have this name."""
 
@@ -77,6 +80,7 @@ def _class(name: str, node: nodes.NodeDeclaration, rows: Mapping[str, Sequence[n
         for transform in node.transforms
     )
     arguments = {"topic:": _IMAGES} if node.takes_images else {}
+    arguments |= {_OTHER_END: ""} if node.name == NODE else {}
     return NodeClass(
         name,
         default_name=node.name,

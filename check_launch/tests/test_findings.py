@@ -61,6 +61,15 @@ _CASES: Mapping[str, Case] = {
         {"a_launch.yaml": "launch:\n  - node: {pkg: rtabmap_slam, exec: rtabmap, args: --Grid/CelSize 0.05}\n"},
         ["a_launch.yaml:2:5: PAR101 did you mean '--Grid/CellSize'?"],
     ),
+    "a bridge of the rover with a parameter of one that is another end": (
+        {
+            "a_launch.yaml": "launch:\n  - node: {pkg: msgs, exec: msgs_node, param: [{name: rover_port, value: 1}]}\n"
+            "  - node: {pkg: msgs, exec: msgs_node, args: --as base, param: [{name: rover_port, value: 1}]}\n",
+            "mapping.yaml": "version: 1\nproto: {root: proto}\nenvelope: {file: e.proto, message: E, oneof: payload}\n"
+            "ros: {package: msgs}\npeers: {base: {port: 6000}}\nmessages: []\n",
+        },
+        ["a_launch.yaml:2:55: PAR101"],
+    ),
     "a number in place of a text": _rtabmap("Grid/CellSize: 0.05", finding='p.yaml:3:5: PAR103 write "0.05"'),
     "a whole number in place of a floating point number": _controller(
         "controller_frequency: 20", finding="p.yaml:3:5: PAR103 write 20.0"

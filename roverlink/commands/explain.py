@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
@@ -209,7 +210,10 @@ def _size(size: dict[str, Any], peer: dict[str, Any]) -> str:
     if size["payload"] is None:
         return f"unbounded: {size['unbounded']}"
     limit = f"; {peer['name']} accepts at most {peer['max_size']} bytes" if peer["max_size"] else ""
-    limit += f"; its line carries at most {line['largest_datagram']}" if (line := peer["line"]) else ""
+    if line := peer["line"]:
+        carried, accepted = line["largest_datagram"], size["accepted"] or math.inf
+        bridge = f"the bridge accepts at most {accepted} (parameter max_datagram)"
+        limit += f"; {bridge if accepted < carried else f'its line carries at most {carried}'}"
     return f"at most {size['payload']} bytes, {size['envelope']} in the envelope, computed as nanopb does{limit}"
 
 

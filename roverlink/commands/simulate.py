@@ -3,6 +3,8 @@
 Send the datagrams that the boards and the basestation of mapping.yaml would send, to test a bridge, or the
 ROS 2 nodes that use it, without boards. The values in the messages change with the time.
 
+The peers answer the requests of the bridge (table key `request`).
+
 With --to, the datagrams go to a running bridge. At the end, the command prints how many datagrams it sent,
 and the result that the bridge should count for them, such as 57 published, 3 malformed.
 
@@ -29,8 +31,10 @@ import itertools
 import json
 import math
 import random
+import socket
 import tempfile
 import time
+from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -52,15 +56,15 @@ from roverlink.console import (
 )
 from roverlink.generated_code import load_project
 from roverlink.runtime import Registry, SetupError, Translator
+from roverlink.runtime.net import udp
 from roverlink.runtime.net.carrier import way_to
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.simulation.bridge_host import MIDDLEWARES, BridgeHost, bridge_with
-from roverlink.simulation.peers import Arrivals, Senders
+from roverlink.simulation.peers import MOST_KEPT, Arrivals, Senders
 from roverlink.simulation.run_account import RunTotals, predict, resident_bytes, sent_to_peers
-from roverlink.simulation.scenarios import SCENARIOS, Stream, World, emissions
+from roverlink.simulation.scenarios import SCENARIOS, Emission, Stream, World, emissions
 from roverlink.simulation.simulated_keys import SimulatedKeys, make_throw_away_keys
 from roverlink.simulation.simulated_nodes import SimulatedNodes
-from roverlink.suggestions import nearest
 
 _LOG_LEVEL = "error"  # its warnings repeat the counters of the final report
 RATE_OF_A_ROW_HZ = 20.0
@@ -72,6 +76,8 @@ _TICK_S = 0.002
 _DISCOVERY_S = 10.0
 _SETTLE_S = 0.3
 _TIMEOUT_S = 20.0
+_RECEIVE_BUFFER = 1024 * 1024
+_EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # the bridge may be another machine
 
 
 def add(commands: Subparsers) -> None:
@@ -136,14 +142,14 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate the peers. With ``--bridge``, the exit code is 1 if the bridge's counts do not add up."""
     registry = _with_rows_of(arguments.peer, load_project(project_folder(arguments.project)))
     longest = parameters.defaults(registry)["max_datagram"]
-    hertz = arguments.rate or RATE_OF_A_ROW_HZ * sum(handler.route.inbound for handler in registry.handlers)
     with contextlib.ExitStack() as stack:
         key_files = arguments.key_file or _throw_away_keys(registry, arguments.bridge, stack)
         keys = stack.enter_context(SimulatedKeys(registry, key_files)) if key_files else None
         world = World(registry, random.Random(arguments.seed), longest, keys)  # noqa: S311  # repeatable, not secret
+        hertz = arguments.rate or RATE_OF_A_ROW_HZ * len(world.inbound)
         stream = emissions(world, hertz, arguments.scenario)
         # Signatures and link messages are numbered and the clocks of boards count, so that none can be sent twice.
-        if hertz >= _PREPARED_FROM_HZ and keys is None and registry.link is None and not registry.board_stamps:
+        if world.inbound and not (hertz < _PREPARED_FROM_HZ or keys or registry.link or registry.board_stamps):
             stream = _repeated(stream, _PREPARED)
         totals = RunTotals()
         if arguments.bridge is None:
@@ -158,9 +164,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _with_rows_of(peer: str | None, registry: Registry) -> Registry:
     if peer is None:
         return registry
-    if peer not in registry.peers_by_name:
-        raise SetupError(f"unknown peer {peer!r}; {nearest(peer, registry.peers_by_name)}")
-    return dataclasses.replace(registry, handlers=tuple(one for one in registry.handlers if one.route.peer == peer))
+    name = registry.peer(peer).name
+    return dataclasses.replace(registry, handlers=tuple(one for one in registry.handlers if one.route.peer == name))
 
 
 def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.ExitStack) -> Sequence[Path]:
@@ -180,12 +185,13 @@ def _throw_away_keys(registry: Registry, bridge: str | None, stack: contextlib.E
 
 
 def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream, totals: RunTotals) -> int:
-    with (
-        way_to(arguments.to, print_undelivered) as bridge,
-        Senders(*bridge) as senders,
-        contextlib.suppress(KeyboardInterrupt),
-    ):
-        for _ in _play(stream, arguments.seconds, senders, totals, world):
+    asked: deque[bytes] = deque(maxlen=MOST_KEPT)
+    with contextlib.ExitStack() as stack, contextlib.suppress(KeyboardInterrupt):
+        way = stack.enter_context(way_to(arguments.to, print_undelivered))
+        for sock in [way.socket] if way.socket else _ports_of_requests(world, stack):
+            stack.enter_context(udp.Receiver(sock, udp.LARGEST, asked.extend))
+        senders = stack.enter_context(Senders(*way.address, asked.extend if world.requests else None))
+        for _ in _play(stream, arguments.seconds, senders, totals, world, asked):
             pass
     if arguments.json:
         print(json.dumps({"sent": dict(sorted(totals.sent.items())), "unsendable": totals.unsendable}))
@@ -193,6 +199,16 @@ def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream, to
     ends = ", ".join(f"{count} {end}" for end, count in totals.sent.most_common())
     print(f"sent {totals.sent.total()} datagrams to {arguments.to}; the bridge should have counted: {ends or 'none'}")
     return OK
+
+
+def _ports_of_requests(world: World, stack: contextlib.ExitStack) -> Iterator[socket.socket]:
+    """Yield a socket at the port of each end that gets requests; one that learns the port gets them where it sends."""
+    for name in dict.fromkeys(world.registry.end_of(world.registry.by_name[row].route) for row in world.requests):
+        if port := world.registry.ends[name].port:
+            try:
+                yield stack.enter_context(udp.bind(_EVERY_ADDRESS, port, _RECEIVE_BUFFER))
+            except SetupError as error:
+                print_note(f"{name} answers no requests: {error}")
 
 
 def _with_a_bridge(
@@ -210,7 +226,7 @@ def _with_a_bridge(
         nodes, next_commands = SimulatedNodes(world.registry, middleware), 0.0
         _await_bridge(nodes)
         with contextlib.suppress(KeyboardInterrupt):
-            for now in _play(stream, arguments.seconds, senders, totals, world):
+            for now in _play(stream, arguments.seconds, senders, totals, world, arrivals.newest):
                 if now >= next_commands:
                     next_commands = now + 1 / COMMANDS_HZ
                     totals.commands += nodes.publish(now)
@@ -244,27 +260,22 @@ def _repeated(stream: Stream, count: int) -> Stream:
     )
 
 
-def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, world: World) -> Iterator[float]:
+def _play(
+    stream: Stream, length: float, senders: Senders, totals: RunTotals, world: World, asked: deque[bytes]
+) -> Iterator[float]:
     """Send each datagram of a stream at its time, for ``length`` seconds. Count sent datagrams in ``totals``.
 
-    Yields the time since the start, in seconds, every few milliseconds, so that the caller can do other work meanwhile.
+    The requests in ``asked`` are answered as soon as possible. Yields the time since the start, in seconds, every few
+    milliseconds, so that the caller can do other work meanwhile.
     """
     translator = world.keys.translator() if world.keys is not None else Translator(world.registry)
-    predictions = dict[bytes, str]()
-    start = time.monotonic()
-    next_tick = 0.0
-    for emission in stream:
-        if emission.at >= length or totals.seconds >= length:
-            return  # the second condition ends the run if this machine is too slow for the rate
-        while (now := time.monotonic() - start) < emission.at or now >= next_tick:
-            next_tick = now + _TICK_S
-            totals.seconds = now
-            yield now
-            time.sleep(max(0.0, min(_TICK_S, emission.at - (time.monotonic() - start))))
-        totals.played = max(totals.played, emission.at)
+    predictions, lives = dict[bytes, str](), dict[str, int]()
+    start, next_tick = time.monotonic(), 0.0
+
+    def send(emission: Emission) -> None:
         if not senders.send(emission):
             totals.unsendable += 1
-            continue
+            return
         # A prediction converts the datagram, as the bridge does. Repeated datagrams are predicted once, unless the
         # second one is a replay.
         end = predictions.get(emission.datagram)
@@ -273,6 +284,27 @@ def _play(stream: Stream, length: float, senders: Senders, totals: RunTotals, wo
             if world.keys is None and len(predictions) < 2 * _PREPARED:
                 predictions[emission.datagram] = end
         totals.sent[end] += 1
+
+    def wait_until(time_to_send: float) -> Iterator[float]:
+        nonlocal next_tick
+        while (now := time.monotonic() - start) < time_to_send or now >= next_tick:
+            next_tick = now + _TICK_S
+            totals.seconds = now
+            for _ in range(len(asked) if world.requests else 0):
+                if (answer := world.answer(asked.popleft(), now, lives)) is not None:
+                    send(answer)
+            yield now
+            time.sleep(max(0.0, min(_TICK_S, time_to_send - (time.monotonic() - start))))
+
+    for emission in stream:
+        if emission.at >= length or totals.seconds >= length:
+            return  # the second condition ends the run if this machine is too slow for the rate
+        yield from wait_until(emission.at)
+        totals.played = max(totals.played, emission.at)
+        lives[emission.peer] = emission.life
+        send(emission)
+    for totals.played in wait_until(length):  # peers that only answer
+        yield totals.played
 
 
 def _watch_memory(host: BridgeHost, now: float, totals: RunTotals) -> None:

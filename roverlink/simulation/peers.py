@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import socket
 import threading
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Callable, Mapping
 from types import TracebackType
 
 from roverlink.runtime import Registry
@@ -15,6 +16,8 @@ from roverlink.runtime.text.host_names import LEARN
 from roverlink.simulation.scenarios import Emission
 
 _RECEIVE_BUFFER = 8 * 1024 * 1024
+MOST_KEPT = 1000
+"""Largest number of datagrams that wait until it is known whether they are requests."""
 
 
 class Senders(contextlib.ExitStack):
@@ -23,10 +26,13 @@ class Senders(contextlib.ExitStack):
     A simulated peer that restarts gets a new socket, so it sends from a new port.
     """
 
-    def __init__(self, host: str, port: int) -> None:
-        """Send to the bridge at the IP address ``host`` and ``port``."""
+    def __init__(self, host: str, port: int, take: Callable[[udp.Batch], None] | None = None) -> None:
+        """Send to the bridge at the IP address ``host`` and ``port``.
+
+        ``take`` gets what the bridge sends to the peers' sockets, on other threads.
+        """
         super().__init__()
-        self._bridge = host, port
+        self._bridge, self._take = (host, port), take
         self._sockets: dict[tuple[str, int], socket.socket] = {}
 
     def send(self, emission: Emission) -> bool:
@@ -36,6 +42,8 @@ class Senders(contextlib.ExitStack):
         if sock is None:
             family = hosts.family_of(self._bridge)
             sock = self._sockets[key] = self.enter_context(socket.socket(family, socket.SOCK_DGRAM))
+            if self._take is not None:
+                self.enter_context(udp.Receiver(sock, udp.LARGEST, self._take))
         try:
             sock.sendto(emission.datagram, self._bridge)
         except OSError:
@@ -64,6 +72,8 @@ class Arrivals:
 
     def __init__(self, registry: Registry) -> None:
         self._count = 0
+        self.newest: deque[bytes] = deque(maxlen=MOST_KEPT)
+        """Newest datagrams that have arrived, among which requests are; whoever takes one removes it."""
         self._lock = threading.Lock()
         self._stack = contextlib.ExitStack()
         self._sockets = {name: udp.bind("127.0.0.1", 0, _RECEIVE_BUFFER) for name in registry.ends}
@@ -95,3 +105,4 @@ class Arrivals:
     def _add(self, batch: udp.Batch) -> None:
         with self._lock:
             self._count += len(batch)
+        self.newest.extend(batch)

@@ -11,8 +11,9 @@ import dataclasses
 import heapq
 import itertools
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from google.protobuf.message import DecodeError
@@ -20,6 +21,7 @@ from google.protobuf.message import DecodeError
 from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.core.envelope import restore, strip_trailing_zeros
+from roverlink.runtime.core.handler import RowRequest
 from roverlink.runtime.core.link_message import NAME, PERIOD_S, LinkWriter
 from roverlink.runtime.core.registry import AnyHandler, EndName
 from roverlink.runtime.core.wire_format import DELIMITED, VARINT, encoded_varint
@@ -72,16 +74,36 @@ class World:
         if self.registry.link is not None:
             self.writer(end, life).count_sent(1)
 
-    def datagram(self, name: str, seconds: float) -> bytes:
+    def datagram(self, name: str, seconds: float, **fields: int) -> bytes:
         """Return a serialized envelope with the payload of the row ``name``, signed if the row's peer must sign.
 
-        The payload has the simulated values of the time ``seconds`` after the peer's start.
+        The payload has the simulated values of the time ``seconds`` after the peer's start, except for ``fields``.
         """
         handler = self.registry.by_name[name]
         payload = payload_at(handler.payload_type, seconds)
+        for field, value in fields.items():
+            setattr(payload, field, value)
         if stamp := self.registry.board_stamps.get(name):
             stamp.set(payload, round(seconds * 1e9))
         return self.signed(end_of(handler), self.registry.datagram(name, payload))
+
+    def answer(self, datagram: bytes, seconds: float, lives: Mapping[str, int]) -> Emission | None:
+        """Return the response of a peer to a datagram of the bridge; None if the datagram is no request.
+
+        ``lives`` is the number of times that each peer has restarted, by the peer's name.
+        """
+        try:
+            envelope = self.registry.envelope.FromString(restore(datagram))
+        except DecodeError:
+            return None
+        name = envelope.WhichOneof(self.registry.oneof) or ""
+        if (request := self.requests.get(name)) is None:
+            return None
+        end = end_of(self.registry.by_name[request.response])
+        life = lives.get(end.peer, 0)
+        fields = {request.field: request.number_in(getattr(envelope, name))} if request.field else {}
+        self.count_sent(end, life)
+        return Emission(seconds, end.peer, request.response, self.datagram(request.response, seconds, **fields), life)
 
     def link_message(self, end: EndName, seconds: float, life: int = 0) -> bytes:
         """Return the next link message of an end, signed if the end must sign.
@@ -102,10 +124,17 @@ class World:
         """Return the end that sends a datagram."""
         return emission.end or end_of(self.registry.by_name[emission.name])
 
+    @cached_property
+    def requests(self) -> dict[str, RowRequest]:
+        """Requests to peers, by the row's name."""
+        routes = [handler.route for handler in self.registry.handlers if not handler.route.inbound]
+        return {route.name: route.request for route in routes if route.request is not None}
+
     @property
     def inbound(self) -> list[AnyHandler]:
-        """Handlers of the rows whose payloads come from peers."""
-        return [handler for handler in self.registry.handlers if handler.route.inbound]
+        """Handlers of the rows whose payloads peers send without a request."""
+        responses = {request.response for request in self.requests.values()}
+        return [one for one in self.registry.handlers if one.route.inbound and one.route.name not in responses]
 
     def unused_number(self) -> int:
         """Return an envelope number that no row has; a retired number if there is one."""
@@ -123,19 +152,20 @@ def steady(world: World, rate: float) -> Stream:
     """Yield datagrams without faults and without end: one of each row whose payload comes from a peer, in turn.
 
     ``rate`` is the number of datagrams a second, of all rows together. If the table has the link message, each board
-    and each peer sends one a second, too.
+    and each peer sends one a second, too. The stream is empty if the peers only answer requests.
     """
     rows = world.inbound
+    period = 1 / rate if rows else PERIOD_S
     ends = [] if world.registry.link is None else sorted({end_of(handler) for handler in world.registry.handlers})
     told = 0.0
-    for index in itertools.count():
-        handler = rows[index % len(rows)]
-        name, at = handler.route.name, index / rate
+    for index in itertools.count() if rows or ends else ():
+        at = index * period
         for end in ends if at >= told else ():
             yield Emission(at, end.peer, NAME, world.link_message(end, at), end=end)
         told += PERIOD_S if at >= told else 0.0
-        world.count_sent(end_of(handler))
-        yield Emission(at, handler.route.peer, name, world.datagram(name, at))
+        for handler in rows[index % len(rows) :][:1] if rows else ():
+            world.count_sent(end_of(handler))
+            yield Emission(at, handler.route.peer, handler.route.name, world.datagram(handler.route.name, at))
 
 
 def _microseconds(seconds: float) -> int:

@@ -31,8 +31,9 @@ from roverlink.runtime.bridge.budgets import BudgetedPeer, Budgets
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends, LinkState
 from roverlink.runtime.bridge.extra_topics import ExtraTopics
-from roverlink.runtime.bridge.forwarding import Forwarding, LimitedForward
+from roverlink.runtime.bridge.forwarding import Forwarding
 from roverlink.runtime.bridge.handling_times import Handle, HandlingTimes, Latencies
+from roverlink.runtime.bridge.limited_row import LimitedRow
 from roverlink.runtime.bridge.link_exchange import EndReport, LinkExchange
 from roverlink.runtime.bridge.loop_watch import LoopWatch
 from roverlink.runtime.bridge.native_way import DatagramObserver, NativeWay
@@ -41,7 +42,7 @@ from roverlink.runtime.bridge.qos_watch import QosWatch
 from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.timekeeper import TimedTask, Timekeeper
 from roverlink.runtime.bridge.to_peer import OutboundRow, Send
-from roverlink.runtime.bridge.to_topic import InboundRow, PacedInboundRow
+from roverlink.runtime.bridge.to_topic import InboundRow
 from roverlink.runtime.core.board_clock import ClockReport
 from roverlink.runtime.core.errors import DatagramError, FailedThreadError, Reason, RoverlinkError, SetupError
 from roverlink.runtime.core.handler import Stamps
@@ -123,7 +124,7 @@ class Bridge:
         """Text about the messages that the native core handles, and why it does not handle the others."""
         self._handling_times = HandlingTimes()
         self._sending = self._send if registry.link is None else self._send_counted
-        self._ends = Ends(registry, parameters, self._counters, self._socket)
+        self._ends = Ends(registry, parameters, self._counters, self._socket, self._signed_peers.signing)
         self._budgets = Budgets(registry, self._ends.destinations, self._account)
         self._sender: Sender | None = None  # of the datagrams that are handled now, if an address is to be learned
         self._observers = observers
@@ -136,7 +137,6 @@ class Bridge:
         )
         self._inbound_rows: dict[str, InboundRow] = {}
         self._outbound_rows: list[OutboundRow] = []
-        self._paced: list[PacedInboundRow] = []
         self._extra_topics = ExtraTopics(self._account, self._counters.warnings)
         self._forwarding = Forwarding(
             registry,
@@ -189,15 +189,15 @@ class Bridge:
                 self._extra_topics.open(handler, self._publisher(handler))
         outbound = [handler for handler in handlers if not handler.route.inbound]
         self._outbound_rows = [self._outbound_row(handler) for handler in outbound]
-        tasks: list[TimedTask] = [*self._paced, *(row for row in self._outbound_rows if row.is_timed)]
-        tasks += [*self._forwarding.limited, *self._budgets.peers.values()]
+        woken: list[LimitedRow | BudgetedPeer] = [*self._paced, *self._forwarding.limited]
+        woken += self._budgets.peers.values()
+        tasks: list[TimedTask] = [*woken, *(row for row in self._outbound_rows if row.is_timed)]
         if self._link is not None:
             tasks.append(self._link)
         self._timekeeper = Timekeeper("timekeeper", tasks, self._fail)
         if self._link is not None:
-            self._link.wake = self._timekeeper.wake
-        woken: list[PacedInboundRow | LimitedForward | BudgetedPeer] = [*self._paced, *self._forwarding.limited]
-        for one in (*woken, *self._budgets.peers.values()):
+            self._link.wake, self._link.on_start = self._timekeeper.wake, self._renew
+        for one in woken:
             one.wake = self._timekeeper.wake
         subscriptions = [self._subscribe(handler, row) for handler, row in zip(outbound, self._outbound_rows)]
         watches = [
@@ -219,6 +219,7 @@ class Bridge:
             elif isinstance(row, request_rows.RequestToPeer):
                 row.offer(self._middleware, self._topic)
         self._native = self._native_way([*zip(outbound, self._outbound_rows, subscriptions)])
+        self._ends.on_reached = self._reached
         self._ends.start()
         self._timekeeper.__enter__()
         self._watch.__enter__()
@@ -311,7 +312,7 @@ class Bridge:
             return None
         sends = {
             end: self._budgets.sending(
-                self._signed_peers.sending(end.peer, end.board, partial(self._send, destination=destination)),
+                self._signed_peers.sending(end, partial(self._send, destination=destination), destination),
                 destination,
             )
             for end, destination in self._ends.destinations.items()
@@ -368,7 +369,7 @@ class Bridge:
         self.way = way.summary()
         if not way.is_used:
             return None
-        self._ends.on_learned = self._admission.gate.on_forgotten = way.loop.forget_senders
+        self._admission.gate.on_forgotten = way.loop.forget_senders
         if self._link is not None:
             self._link.native = way
         return way
@@ -404,6 +405,26 @@ class Bridge:
         ends = parameters.addresses.values()
         restricts = restricts_sources(self._registry.peers) or any(end.is_line for end in ends)
         return restricts and parameters.source_policy == "mapping", any(end.hosts == (LEARN,) for end in ends)
+
+    @property
+    def _paced(self) -> list[InboundRow]:
+        """Rows from peers with a limit of the rate."""
+        return [row for row in self._inbound_rows.values() if row.is_limited]
+
+    def _renew(self, end: EndName) -> None:
+        """Send the last states of the rows with `on_change` to an end again, because another program may be there."""
+        for row in self._outbound_rows:
+            if self._registry.end_of(self._registry.by_name[row.name].route) == end:
+                row.renew()
+        for forward in self._forwarding.limited:
+            if forward.destination.end == end:
+                forward.renew()
+
+    def _reached(self, end: EndName) -> None:
+        """Take note that the line to an end works, or that its address is another one."""
+        if self._native is not None:
+            self._native.loop.forget_senders()
+        self._renew(end)
 
     def _not_accepted(self, handler: AnyHandler | AnyStandardHandler) -> None:
         """Count a message of the native core that the middleware has not accepted."""
@@ -502,11 +523,7 @@ class Bridge:
         publisher = self._publisher(handler)
         if (exchange := self._exchanges.get(route.name)) is not None:
             return request_rows.inbound_row(exchange, handler, publisher, self._account, self._counters.count_dropped)
-        if route.max_rate is None:
-            return InboundRow(route, publisher, self._account, self._counters.count_dropped)
-        row = PacedInboundRow(route, publisher, self._account, self._counters.count_dropped, route.max_rate)
-        self._paced.append(row)
-        return row
+        return InboundRow(route, publisher, self._account, self._counters.count_dropped)
 
     # --- topics to peers ---
 
@@ -527,7 +544,8 @@ class Bridge:
     def _outbound_row(self, handler: AnyHandler) -> OutboundRow:
         route, destination = handler.route, self._ends.destinations[self._registry.end_of(handler.route)]
         # Observers see the datagram without its signature, which is new each time that the datagram is sent.
-        send = self._signed_peers.sending(route.peer, route.board, partial(self._sending, destination=destination))
+        send: Send = partial(self._sending, destination=destination)
+        send = self._signed_peers.sending(EndName(route.peer, route.board), send, destination)
         for observer in self._observers:
             send = observer.sending(route.peer, send)
         send = self._budgets.sending(send, destination)

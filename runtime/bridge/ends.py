@@ -71,38 +71,47 @@ _GOOD = frozenset({LinkEvent.RESOLVED, LinkEvent.LEARNED, LinkEvent.REACHABLE, L
 
 Note = Callable[[LinkEvent, str], None]
 """Function that counts an event of an end, and logs its text."""
+Sign = Callable[[bytes], bytes]
+"""Function that returns a datagram with a signature."""
 
 
 class Ends:
     """Destinations of all ends of the link, which follow the parameters and the network."""
 
-    def __init__(self, registry: Registry, parameters: Parameters, counters: Counters, own: socket.socket) -> None:
+    def __init__(
+        self,
+        registry: Registry,
+        parameters: Parameters,
+        counters: Counters,
+        own: socket.socket,
+        signing: Callable[[EndName], Sign | None] = lambda _: None,
+    ) -> None:
         """Direct the destinations to the hosts that are IP addresses; `start` looks up the others.
 
         ``own`` is the socket on which the bridge receives. If it receives only IPv4, names get IPv4 addresses.
+        ``signing`` returns the function that signs what leaves over the line of an end.
         """
-        self.on_learned: Callable[[], None] = lambda: None
-        """Function that is called when the address of an end was learned."""
+        self.on_reached: Callable[[EndName], None] = lambda _: None
+        """Function that is called when an end has another address, is reachable again, or its line works."""
         # The rover learns the port from which our datagrams come, and sends there.
         shared = own if registry.own is not None and not registry.own.port else None
         priority_of = priority_by_number(registry)
-        # A datagram is signed before it waits for a line, so no other one of the key may overtake it.
-        signed = {peer.name for peer in registry.peers if peer.must_sign}
 
-        def outbox_of(end: EndName) -> Outbox[bytes]:
-            if end.peer in signed:
-                return Outbox()
-            return Outbox(lambda datagram: priority_of(number_of(datagram, registry.signature)))
+        def note(name: EndName, event: LinkEvent, text: str) -> None:
+            level = logging.INFO if event in _GOOD else logging.WARNING
+            counters.count_link_event(name.peer, name.board, event.value, f"{name}: {text}", level)
+            if event in _GOOD or event is LinkEvent.ADDRESS_CHANGED:
+                self.on_reached(name)
 
         self._steered = {
             name: _Steering(
                 name,
                 end,
-                partial(_note, counters, name),
-                lambda: self.on_learned(),
+                partial(note, name),
                 own,
                 shared,
-                partial(outbox_of, name),
+                lambda: Outbox(lambda datagram: priority_of(number_of(datagram, registry.signature))),
+                signing(name),
             )
             for name, end in registry.ends.items()
         }
@@ -176,11 +185,6 @@ class Ends:
             steering.close()
 
 
-def _note(counters: Counters, name: EndName, event: LinkEvent, text: str) -> None:
-    level = logging.INFO if event in _GOOD else logging.WARNING
-    counters.count_link_event(name.peer, name.board, event.value, f"{name}: {text}", level)
-
-
 class _Steering:
     """Steering of one end's destination: it directs the destination to the addresses of the end's hosts."""
 
@@ -189,12 +193,12 @@ class _Steering:
         name: EndName,
         end: End,
         note: Note,
-        learned: Callable[[], None],
         own: socket.socket,
         shared: socket.socket | None,
         outbox: Callable[[], Outbox[bytes]],
+        sign: Sign | None,
     ) -> None:
-        self._end, self._note, self._learned, self._own, self._outbox = end, note, learned, own, outbox
+        self._end, self._note, self._own, self._outbox, self._sign = end, note, own, outbox, sign
         self._ipv4_only = own.family == socket.AF_INET
         self.destination = Destination(name, report=self._reachability_changed, shared=shared)
         self._lock = threading.RLock()
@@ -260,9 +264,13 @@ class _Steering:
                 return
             self._stop_threads()
             self._wanted, self._targets, self._missing = wanted, {}, set()
+            if (signs := wanted.is_line and self._sign is not None) != self.destination.signs:
+                self.destination.direct_to()  # nothing may leave without a signature, or with two
+                self.destination.signs = signs
             for host in () if self._learns else wanted.hosts:
                 if wanted.is_line:
-                    self.carrier = Carrier(transport_at(host), self._own, self._connection_changed, self._outbox())
+                    transport, outbox = transport_at(host), self._outbox()
+                    self.carrier = Carrier(transport, self._own, self._connection_changed, outbox, self._sign)
                 # An address of a network interface needs the interface, which may not be there yet.
                 elif is_literal(host) and "%" not in host and not self._end.interface:
                     with contextlib.suppress(OSError):  # it is noted
@@ -294,7 +302,6 @@ class _Steering:
                 return  # the parameters have just changed
             self._targets[LEARN] = Target(address)
             self._direct()
-        self._learned()
         if before is None:
             self._note(LinkEvent.LEARNED, f"learned the address {hosts.text_of(address)}")
         else:

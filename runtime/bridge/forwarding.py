@@ -6,18 +6,15 @@ datagrams, and others strip zeros from them; strict decoders, such as those of p
 
 from __future__ import annotations
 
-import math
 import threading
-import time
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 
 from roverlink.runtime.bridge.counters import Counters
 from roverlink.runtime.bridge.ends import Ends
-from roverlink.runtime.bridge.pacing import Changes, Pacer
+from roverlink.runtime.bridge.limited_row import LimitedRow
 from roverlink.runtime.core.handler import SendLimits
 from roverlink.runtime.core.registry import EndName, Registry
-from roverlink.runtime.native.shared_lock import SharedLock
 from roverlink.runtime.net.destination import Destination
 
 Send = Callable[[Sequence[bytes], Destination], int]
@@ -114,10 +111,11 @@ class Forwarding:
         """
         return self._hand_on(datagrams, destination, self._send_raw if self._to_all else self._send)
 
-    def hand_on_again(self, datagram: bytes, destination: Destination, row: str) -> None:
-        """Send a datagram of a row once more, unless all datagrams are forwarded."""
-        if not self._to_all:
-            self._counters.account.repeated[row] += self._send([datagram], destination)
+    def hand_on_again(self, datagram: bytes, destination: Destination, row: str) -> int:
+        """Send a datagram of a row once more, unless all datagrams are forwarded; return how many were sent."""
+        sent = 0 if self._to_all else self._send([datagram], destination)
+        self._counters.account.repeated[row] += sent
+        return sent
 
     def withhold(self, destination: Destination, row: str, reason: str, count: int) -> None:
         """Count datagrams of a row that are not forwarded to an end."""
@@ -139,67 +137,24 @@ class Forwarding:
         return sent
 
 
-class LimitedForward:
-    """Forward of one row to one end, with limits (table key ``forward``).
-
-    Used from the receiving thread and from the timekeeper's thread.
-    """
+class LimitedForward(LimitedRow):
+    """Forward of one row to one end, with limits (table key ``forward``)."""
 
     def __init__(
         self, row: str, destination: Destination, limits: SendLimits, signature: int | None, forwarding: Forwarding
     ) -> None:
         """Hand on to ``forwarding`` what the limits let pass."""
+        super().__init__(limits, signature)
         self.row, self.destination, self._forwarding = row, destination, forwarding
-        self.pacer = Pacer(limits.max_rate) if limits.max_rate else None
-        """Limit of the rate; None without one."""
-        self.changes = Changes(limits, signature) if limits.on_change or limits.at_least_ms else None
-        """Choice of the datagrams that the rate lets pass; None if all are forwarded."""
-        self.lock: threading.Lock | SharedLock = threading.Lock()
-        """Lock to hold while datagrams are limited and forwarded."""
-        self.wake: Callable[[], None] = lambda: None
-        """Function that wakes the timekeeper."""
 
-    def take(self, datagrams: Sequence[bytes]) -> None:
-        """Forward the datagrams that the limits let pass; one may have to wait."""
-        due = self.next_due
-        with self.lock:
-            if self.pacer is not None:
-                datagrams, superseded = self.pacer.offer(datagrams, time.monotonic())
-                self._forwarding.withhold(self.destination, self.row, "superseded", superseded)
-            if datagrams:
-                self._pass_on(datagrams)
-        # Outside of the lock, because `wake` makes the timekeeper take the lock at once.
-        if self.next_due < due:
-            self.wake()
-
-    def run_due(self, now: float) -> None:
-        """Forward the datagram that waits if the rate allows it now, or the last one again."""
-        if self.lock.acquire(blocking=False):
-            try:
-                if self.pacer is not None and (waited := self.pacer.take(now)) is not None:
-                    self._pass_on([waited])
-                elif self.changes is not None and (last := self.changes.again(now)) is not None:
-                    self._forwarding.hand_on_again(last, self.destination, self.row)
-            finally:
-                self.lock.release()
-
-    @property
-    def next_due(self) -> float:
-        """Time at which `run_due` has something to do; infinity for never."""
-        slot = None if self.pacer is None else self.pacer.next_slot
-        again = math.inf if self.changes is None else self.changes.next_due
-        return again if slot is None else min(slot, again)
-
-    def end(self) -> None:
-        """Forward the datagram that waits. Call it when nothing arrives any more."""
-        if self.pacer is not None and (waited := self.pacer.withdraw()) is not None:
-            self._pass_on([waited])
+    def _count_superseded(self, count: int) -> None:
+        self._forwarding.withhold(self.destination, self.row, "superseded", count)
 
     def _pass_on(self, datagrams: Sequence[bytes]) -> None:
-        if self.changes is not None:
-            count = len(datagrams)
-            datagrams = self.changes.choose(datagrams, time.monotonic())
-            self._forwarding.withhold(self.destination, self.row, "unchanged", count - len(datagrams))
-        sent = self._forwarding.hand_on(datagrams, self.destination)
-        if self.changes is not None and sent < len(datagrams):
-            self.changes.not_sent()
+        chosen = self._changed(datagrams)
+        self._forwarding.withhold(self.destination, self.row, "unchanged", len(datagrams) - len(chosen))
+        if self._forwarding.hand_on(chosen, self.destination) < len(chosen):
+            self._not_sent()
+
+    def _repeat(self, datagram: bytes) -> int:
+        return self._forwarding.hand_on_again(datagram, self.destination, self.row)

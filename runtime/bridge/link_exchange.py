@@ -150,6 +150,8 @@ class LinkExchange:
         self._account = account
         self._lock = threading.Lock()
         self.wake: Callable[[], None] = lambda: None
+        self.on_start: Callable[[EndName], None] = lambda _: None
+        """Function that is called when another program than before speaks at an end, but at most once a second."""
         self.native: NativeWay | None = None
         """Native way of the bridge, which counts datagrams itself."""
         self._native_sent: Counter[EndName] = Counter()
@@ -174,8 +176,8 @@ class LinkExchange:
                 continue
             with self._lock:
                 self._count_natively_sent()
-                turns = 1
-                if end in self._asked:
+                turns, has_started = 1, end in self._asked
+                if has_started:
                     self._asked.discard(end)
                     turns, self._told[end] = self._writers[end].turns, now
                 self._due[end] = now + link_message.PERIOD_S
@@ -183,6 +185,8 @@ class LinkExchange:
             for _ in range(turns):
                 datagram = self._writers[end].write(self._now_us())
                 self._account.links_sent[end.peer] += send([strip_trailing_zeros(datagram) if strip else datagram])
+            if has_started:
+                self.on_start(end)
 
     @property
     def next_due(self) -> float:

@@ -16,6 +16,7 @@ from typing import Protocol, runtime_checkable
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.forwarding import LimitedForward
 from roverlink.runtime.bridge.handling_times import BOUNDS_S, Latencies
+from roverlink.runtime.bridge.limited_row import LimitedRow
 from roverlink.runtime.bridge.signed_peers import SignedPeers
 from roverlink.runtime.bridge.to_peer import OutboundRow
 from roverlink.runtime.bridge.to_topic import InboundRow
@@ -244,7 +245,7 @@ def _sent_at(struct: native.Subscription) -> float:
     return struct.sent_at / 1e9 if struct.sent_at else -math.inf
 
 
-def _shared_pacer(row: InboundRow | OutboundRow | LimitedForward, core: NativeCore) -> int | None:
+def _shared_pacer(row: LimitedRow, core: NativeCore) -> int | None:
     if row.pacer is None:
         return None
     row.lock = lock = SharedLock(core.library)

@@ -16,7 +16,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
@@ -35,37 +35,35 @@ _STOPPING = "the bridge stops"
 _IN_PYTHON = "requests and responses are matched in Python"
 
 
+class _Call(NamedTuple):
+    """Call of a service, whose response comes from a peer."""
+
+    service: RowService
+    respond: Respond
+
+    def fail(self, error: str) -> None:
+        """End the call without a response of the peer."""
+        response = self.service.response()
+        setattr(response, _ERROR, error)
+        self.respond(cdr.encode(response))
+
+
 class Exchange:
     """Request and the response that answers it: what the rows of both share."""
+
+    response_row: ResponseToPeer
+    """Row of the responses to a peer, if the request comes from there."""
 
     def __init__(self, request: AnyHandler, response: AnyHandler, settings: RowRequest) -> None:
         self.request, self.response, self.settings = request, response, settings
         self.lock = threading.Lock()
         """Lock to hold while `calls` or `responses` is used."""
-        self.calls: Repeater[Respond] = Repeater(settings)
+        self.calls: Repeater[_Call] = Repeater(settings)
         """Calls of the service that wait for a response of the peer."""
         self.responses = Responses(settings)
         """Requests that the peer has sent, with the datagrams of their responses."""
-        self.row: OutboundRow | None = None
-        """Row to the peer: the request's row, or that of the response."""
         self.wake: Callable[[], None] = lambda: None
         """Function that wakes the timekeeper."""
-
-    @property
-    def service(self) -> RowService:
-        """Service of the request. Raises `AttributeError` if the table names none."""
-        assert self.settings.service is not None, "only an exchange with a service asks"  # noqa: S101  # for mypy
-        return self.settings.service
-
-    def number_in(self, payload: Any) -> int:
-        """Return the number in the correlation field of a payload; 0 without such a field."""
-        return int(getattr(payload, self.settings.field)) if self.settings.field else 0
-
-    def failure(self, error: str) -> bytes:
-        """Return the service's response to a request without a response, serialized."""
-        response = self.service.response()
-        setattr(response, _ERROR, error)
-        return cdr.encode(response)
 
 
 def exchanges(registry: Registry) -> dict[str, Exchange]:
@@ -127,7 +125,6 @@ class RequestToPeer(OutboundRow):
     def __init__(self, exchange: Exchange, *given: Any) -> None:
         super().__init__(*given)
         self._exchange, self._is_open = exchange, True
-        exchange.row = self
 
     def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
         """Store ``wake``, as any row does."""
@@ -136,21 +133,22 @@ class RequestToPeer(OutboundRow):
 
     def offer(self, middleware: Middleware, topic: Callable[[str], str]) -> None:
         """Offer the service, if the table names one; ``topic`` returns its full name."""
-        if self._exchange.settings.service is not None:
-            middleware.offer(topic(self._exchange.service.name), self._exchange.service, self.ask)
+        if (service := self._exchange.settings.service) is not None:
+            middleware.offer(topic(service.name), service, partial(self._ask, service))
 
-    def ask(self, data: bytes, respond: Respond) -> None:
+    def _ask(self, service: RowService, data: bytes, respond: Respond) -> None:
         """Send the request of a call; the middleware calls this. ``respond`` is called once, with the response."""
-        if error := self._add(data, respond):
-            respond(self._exchange.failure(error))
+        call = _Call(service, respond)
+        if error := self._add(data, call):
+            call.fail(error)
         else:
             self.run_due(time.monotonic())
             self.wake()
 
-    def _add(self, data: bytes, respond: Respond) -> str:
+    def _add(self, data: bytes, call: _Call) -> str:
         """Add a call to those that wait; return the reason if that is not possible."""
-        exchange, calls = self._exchange, self._exchange.calls
-        with self.lock, exchange.lock:
+        calls = self._exchange.calls
+        with self.lock, self._exchange.lock:
             self._account.taken[self.name] += 1
             if not self._is_open or calls.is_full:
                 self._account.superseded[self.name] += 1
@@ -160,8 +158,8 @@ class RequestToPeer(OutboundRow):
                 return self._of_another_schema()
             try:
                 number = calls.new_number()
-                message = _converted(data, exchange.service.request, self._handler.message_type, number)
-                calls.add(number, self._translator.send(self._handler, message), respond)
+                message = _converted(data, call.service.request, self._handler.message_type, number)
+                calls.add(number, self._translator.send(self._handler, message), call)
             except ConversionError as error:
                 self._account.refused[self.name] += 1
                 return str(error)
@@ -179,11 +177,11 @@ class RequestToPeer(OutboundRow):
                 ended, error = self._send_due(now), self._unanswered()
         finally:
             self.lock.release()
-        for respond in ended:
+        for call in ended:
             self._warnings.warn(f"unanswered {self.name}", error)
-            respond(self._exchange.failure(error))
+            call.fail(error)
 
-    def _send_due(self, now: float) -> list[Respond]:
+    def _send_due(self, now: float) -> list[_Call]:
         """Send what is due, and return the calls that end without a response."""
         with self._exchange.lock:
             datagrams, unanswered = self._exchange.calls.take_due(now)
@@ -206,15 +204,15 @@ class RequestToPeer(OutboundRow):
         with self.lock:
             self._is_open = False
             ended = self._withdrawn()
-        for respond in ended:
-            respond(self._exchange.failure(_STOPPING))
+        for call in ended:
+            call.fail(_STOPPING)
 
-    def _withdrawn(self) -> list[Respond]:
+    def _withdrawn(self) -> list[_Call]:
         """Forget all requests, and return their calls."""
         with self._exchange.lock:
             withdrawn = self._exchange.calls.withdraw()
         self._account.superseded[self.name] += sum(not was_sent for _, was_sent in withdrawn)
-        return [respond for respond, _ in withdrawn]
+        return [call for call, _ in withdrawn]
 
     def _unanswered(self) -> str:
         peer, attempts = self._handler.route.peer, self._exchange.settings.attempts
@@ -235,14 +233,14 @@ class ResponseFromPeer(InboundRow):
         """Answer the calls, and publish the messages that have not come before."""
         exchange = self._exchange
         for message in messages:
-            number = exchange.number_in(exchange.response.from_cdr(message))
+            number = exchange.settings.number_in(exchange.response.from_cdr(message))
             with exchange.lock:
                 found = exchange.calls.answered(number, time.monotonic())
             if found is Fate.REPEATED:
                 self._account.dropped[Reason.REPEATED.value] += 1
                 continue
             if not isinstance(found, Fate):
-                found(_converted(message, exchange.response.message_type, exchange.service.response))
+                found.respond(_converted(message, exchange.response.message_type, found.service.response))
                 exchange.wake()  # the next one may be due
             super().take([message])
 
@@ -253,53 +251,52 @@ class RequestFromPeer(InboundRow):
     def __init__(self, exchange: Exchange, *given: Any) -> None:
         super().__init__(*given)
         self._exchange = exchange
-        self._client: ServiceClient | None = None
+        self._called: tuple[ServiceClient, RowService] | None = None
 
     def open_client(self, middleware: Middleware, topic: Callable[[str], str]) -> None:
         """Open a client of the service, if the table names one; ``topic`` returns its full name."""
-        if self._exchange.settings.service is not None:
-            self._client = middleware.client(topic(self._exchange.service.name), self._exchange.service)
+        if (service := self._exchange.settings.service) is not None:
+            self._called = middleware.client(topic(service.name), service), service
 
     def take(self, messages: Sequence[bytes]) -> None:
         """Pass on the requests that are new, and send the stored responses to the others."""
         exchange = self._exchange
         for message in messages:
-            number = exchange.number_in(exchange.request.from_cdr(message))
+            number = exchange.settings.number_in(exchange.request.from_cdr(message))
             with exchange.lock:
                 found = exchange.responses.take(message, number, time.monotonic())
             if found is not Fate.UNKNOWN:
                 self._account.dropped[Reason.REPEATED.value] += 1
-                if isinstance(found, bytes) and isinstance(exchange.row, ResponseToPeer):
-                    exchange.row.repeat(found)
-            elif self._client is None:
+                if isinstance(found, bytes):
+                    exchange.response_row.repeat(found)
+            elif self._called is None:
                 super().take([message])
             else:
-                self._call(self._client, message, number)
+                self._call(*self._called, message, number)
 
-    def _call(self, client: ServiceClient, message: bytes, number: int) -> None:
-        name, service = self._route.name, self._exchange.service
+    def _call(self, client: ServiceClient, service: RowService, message: bytes, number: int) -> None:
+        name = self._route.name
         request = _converted(message, self._exchange.request.message_type, service.request)
-        if client.call(request, partial(self._answer, message, number)):
+        if client.call(request, partial(self._answer, service, message, number)):
             self._account.published[name] += 1
         else:
             self._forget(message)
             error = f"{name} ({self._route.number}): no node offers the service {service.name}"
             self._drop(DatagramError(Reason.NOT_PUBLISHED, error, name))
 
-    def _answer(self, request: bytes, number: int, data: bytes) -> None:
+    def _answer(self, service: RowService, request: bytes, number: int, data: bytes) -> None:
         """Send the response of the service to the peer. If it is an error, the peer may ask again."""
         exchange = self._exchange
-        assert isinstance(exchange.row, ResponseToPeer)  # noqa: S101  # the rows of an exchange are opened together
         try:
-            error = getattr(cdr.decode(exchange.service.response, data), _ERROR)
-            message = _converted(data, exchange.service.response, exchange.response.message_type, number)
+            error = getattr(cdr.decode(service.response, data), _ERROR)
+            message = _converted(data, service.response, exchange.response.message_type, number)
         except ConversionError as misfit:
-            error = f"{exchange.service.name}: {misfit}"
+            error = f"{service.name}: {misfit}"
         if error:
             self._forget(request)
-            exchange.row.tell(f"the service {exchange.service.name} has not answered: {error}")
+            exchange.response_row.tell(f"the service {service.name} has not answered: {error}")
         else:
-            exchange.row.take([message])
+            exchange.response_row.take([message])
 
     def _forget(self, request: bytes) -> None:
         with self._exchange.lock:
@@ -312,7 +309,7 @@ class ResponseToPeer(OutboundRow):
     def __init__(self, exchange: Exchange, *given: Any) -> None:
         super().__init__(*given)
         self._exchange = exchange
-        exchange.row = self
+        exchange.response_row = self
 
     def repeat(self, datagram: bytes) -> None:
         """Send a stored response again."""
@@ -329,5 +326,5 @@ class ResponseToPeer(OutboundRow):
         for datagram in datagrams:
             payload = getattr(self._translator.parse(datagram), self.name)
             with self._exchange.lock:
-                self._exchange.responses.store(self._exchange.number_in(payload), datagram)
+                self._exchange.responses.store(self._exchange.settings.number_in(payload), datagram)
         super()._send_and_count(datagrams)

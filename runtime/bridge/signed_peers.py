@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from roverlink.runtime.core.envelope import restore, strip_trailing_zeros
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.principals import Origin
-from roverlink.runtime.core.registry import Registry
+from roverlink.runtime.core.registry import EndName, Registry
 from roverlink.runtime.core.signing import Signer, Stream
 from roverlink.runtime.core.translator import Translator, VerifyingTranslator
 from roverlink.runtime.keys.signed_links import SignedLinks, owner_of
@@ -59,23 +59,31 @@ class SignedPeers:
             return Translator(self._registry, origin)
         return VerifyingTranslator(self._registry, self._links.verifier, origin)
 
-    def sending(self, peer: str, board: str, send: to_peer.Send) -> to_peer.Send:
-        """Return a function that sends datagrams with ``send``, and signs them before if the peer must sign."""
-        sender = self._sender(peer, board)
-        return send if sender is None else partial(sender.send, send)
+    def signing(self, end: EndName) -> Callable[[bytes], bytes] | None:
+        """Return the function that signs a datagram to an end, whoever has made it; None if the peer need not sign."""
+        sender = self._sender(end)
+        return None if sender is None else sender.signed
+
+    def sending(self, end: EndName, send: to_peer.Send, destination: Destination) -> to_peer.Send:
+        """Return a function that sends datagrams with ``send``, and signs them before if the peer must sign.
+
+        What goes over a line is signed when the line is free (`Destination.signs`).
+        """
+        sender = self._sender(end)
+        return send if sender is None else partial(sender.send, send, destination)
 
     def forwarding(self, send: forwarding.Send) -> forwarding.Send:
         """Return a function that signs and sends datagrams as another peer has sent them.
 
         A signature of that peer stays in front of ours, so that the receiver can verify it, too.
         """
-        senders = {end: sender for end in self._registry.ends if (sender := self._sender(*end))}
+        senders = {end: sender for end in self._registry.ends if (sender := self._sender(end))}
 
         def forward(datagrams: Sequence[bytes], destination: Destination) -> int:
             sender = senders.get(destination.end)
             if sender is None:
                 return send(datagrams, destination)
-            return sender.restore_and_send(lambda signed: send(signed, destination), datagrams)
+            return sender.send(lambda signed: send(signed, destination), destination, datagrams)
 
         return forward if senders else send
 
@@ -88,9 +96,9 @@ class SignedPeers:
         streams = self._links.verifier.streams.values() if self._links is not None else ()
         return [stream for stream in streams if stream.sender in (route.peer, route.board)]
 
-    def _sender(self, peer: str, board: str) -> _SignedSender | None:
-        signer = self.signer(peer, board)
-        strips_zeros = self._registry.peers_by_name[peer].strip_trailing_zeros
+    def _sender(self, end: EndName) -> _SignedSender | None:
+        signer = self.signer(*end)
+        strips_zeros = self._registry.peers_by_name[end.peer].strip_trailing_zeros
         return None if signer is None else _SignedSender(signer, strips_zeros)
 
     def _missing_keys(self) -> Iterator[str]:
@@ -126,15 +134,14 @@ class _SignedSender:
     def __init__(self, signer: Signer, strips_zeros: bool) -> None:
         self._signer, self._strips_zeros = signer, strips_zeros
 
-    def send(self, send: to_peer.Send, datagrams: Sequence[bytes]) -> int:
-        """Sign datagrams that the bridge has made, and send them."""
-        if self._strips_zeros:  # they are stripped already, but the signature is of the whole envelope
-            return self.restore_and_send(send, datagrams)
-        with self._signer.lock:
-            return send([*map(self._signer.sign, datagrams)])
+    def signed(self, datagram: bytes) -> bytes:
+        """Sign a datagram whose trailing zeros may be stripped, or zeros appended to it."""
+        signed = self._signer.sign(restore(datagram))
+        return strip_trailing_zeros(signed) if self._strips_zeros else signed
 
-    def restore_and_send(self, send: to_peer.Send, datagrams: Sequence[bytes]) -> int:
-        """Sign datagrams whose trailing zeros may be stripped, or zeros appended to them, and send them."""
+    def send(self, send: to_peer.Send, destination: Destination, datagrams: Sequence[bytes]) -> int:
+        """Sign datagrams, unless they are signed on their way, and send them."""
+        if destination.signs:
+            return send(datagrams)
         with self._signer.lock:
-            signed = [self._signer.sign(restore(datagram)) for datagram in datagrams]
-            return send([*map(strip_trailing_zeros, signed)] if self._strips_zeros else signed)
+            return send([*map(self.signed, datagrams)])

@@ -9,18 +9,17 @@ be blocked, and the stop must be sent also in that case. The stop is the datagra
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections.abc import Callable, Sequence
 
 from roverlink.runtime.bridge.account import Account, ThrottledWarnings
 from roverlink.runtime.bridge.deadman import Watchdog
-from roverlink.runtime.bridge.pacing import Changes, Pacer
+from roverlink.runtime.bridge.limited_row import LimitedRow
 from roverlink.runtime.core.errors import ConversionError
+from roverlink.runtime.core.handler import SendLimits
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.core.translator import Translator
 from roverlink.runtime.middleware import Subscription
-from roverlink.runtime.native.shared_lock import SharedLock
 from roverlink.runtime.text.assignments import payload_from_assignments
 
 _STOP_COPIES = 3
@@ -32,7 +31,7 @@ Send = Callable[[Sequence[bytes]], int]
 """Function that sends datagrams to the row's peer and returns how many of them the network accepted."""
 
 
-class OutboundRow:
+class OutboundRow(LimitedRow):
     """Outbound row: sends the messages of one topic to the row's peer.
 
     If the topic is silent, it sends the stop, a datagram that makes the peer stop (table key ``deadman``).
@@ -41,23 +40,16 @@ class OutboundRow:
     def __init__(
         self, handler: AnyHandler, translator: Translator, send: Send, account: Account, warnings: ThrottledWarnings
     ) -> None:
+        route, limits = handler.route, handler.route.send or SendLimits()
+        super().__init__(SendLimits(route.max_rate, limits.on_change, limits.at_least_ms))
         self._handler, self._translator, self._send = handler, translator, send
         self._account, self._warnings = account, warnings
-        self.name = handler.route.name
-        self.lock: threading.Lock | SharedLock = threading.Lock()
-        """Lock to hold while messages are limited and sent."""
-        rate, deadman = handler.route.max_rate, handler.route.deadman
-        self.pacer = Pacer(rate) if rate else None
-        """Limit of the rate; None without one."""
-        limits = handler.route.send
-        self._changes = Changes(limits, None) if limits else None
+        self.name = route.name
         self._watchdog: Watchdog | None = None
         self._stop = b""
-        if deadman:
+        if deadman := route.deadman:
             self._watchdog = Watchdog(deadman.after_ms / 1000, deadman.repeat_ms / 1000, time.monotonic())
             self._stop = translator.datagram(handler, payload_from_assignments(handler.payload_type, deadman.send))
-        self.wake: Callable[[], None] = lambda: None
-        """Function that wakes the timekeeper of this row."""
         self.refused = False
         """True if no message is sent, because the peer has another schema of the row's payload.
 
@@ -69,7 +61,7 @@ class OutboundRow:
     @property
     def is_timed(self) -> bool:
         """True if the row has limits or a watchdog, so that a `Timekeeper` has to run it."""
-        return self.pacer is not None or self._changes is not None or self._watchdog is not None
+        return self.is_limited or self._watchdog is not None
 
     def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
         """Store ``wake``, the function that wakes the timekeeper of this row.
@@ -80,63 +72,37 @@ class OutboundRow:
         self.wake = wake
         return PublisherWatch(subscription, self._watchdog, wake) if self._watchdog else None
 
-    def take(self, messages: Sequence[bytes]) -> None:
-        """Send messages of the topic to the peer; if the row has a rate limit, send only the newest message.
-
-        The middleware calls this with the messages that have arrived.
-        """
-        with self.lock:
-            self._account.taken[self.name] += len(messages)
-            if self._ended:
-                self._account.superseded[self.name] += len(messages)
-                return
-            if self.pacer is not None:
-                messages, superseded = self.pacer.offer(messages, time.monotonic())
-                self._account.superseded[self.name] += superseded
-            if messages:
-                self._pass_on(messages)
-            else:
-                self.wake()
+    def _take(self, messages: Sequence[bytes]) -> None:
+        self._account.taken[self.name] += len(messages)
+        if self._ended:
+            self._account.superseded[self.name] += len(messages)
+        else:
+            super()._take(messages)
 
     def run_due(self, now: float) -> None:
         """Send the stop if it is due; otherwise the waiting message if its time has come, or the last one again."""
         if self._watchdog and self._stop_is_due(self._watchdog, now):
             self._tell_to_stop()
-        elif self._next_send < math.inf and self.lock.acquire(blocking=False):
-            try:
-                if self.pacer is not None and (message := self.pacer.take(now)) is not None:
-                    self._pass_on([message])
-                elif self._changes is not None and (last := self._changes.again(now)) is not None:
-                    self._repeat(last)
-            finally:
-                self.lock.release()
+        else:
+            super().run_due(now)
 
     @property
     def next_due(self) -> float:
         """Time at which `run_due` has something to do, unless a message arrives before."""
         stop = self._watchdog.next_due if self._watchdog else math.inf
-        return min(stop, self._next_send)
-
-    @property
-    def _next_send(self) -> float:
-        """Time at which the waiting message, or the last one again, may be sent; infinity for never."""
-        slot = self.pacer.next_slot if self.pacer else None
-        again = self._changes.next_due if self._changes else math.inf
-        return again if slot is None else min(slot, again)
+        return min(stop, self._next_pass)
 
     def end(self) -> None:
         """Send the last datagram at shutdown: the waiting message, or the stop if the row has a watchdog.
 
         Call it when no more messages arrive.
         """
-        message = self.pacer.withdraw() if self.pacer else None
         if self._watchdog is None:
-            if message is not None:
-                self._pass_on([message])
+            super().end()
             return
         # A command that waits must not go out, nor one of a thread that hung: the stop has to be the last word.
         self._ended = True
-        self._account.superseded[self.name] += message is not None
+        self._count_superseded(self.pacer is not None and self.pacer.withdraw() is not None)
         for _ in range(_STOP_COPIES):
             self._account.stops[self.name] += self._send([self._stop])
             time.sleep(_STOP_PAUSE_S)
@@ -153,19 +119,18 @@ class OutboundRow:
             except ConversionError as error:
                 self._account.refused[self.name] += 1
                 self._warnings.warn(self.name, f"not sent: {error}")
-        if self._changes is not None:
-            due = self._changes.next_due
-            chosen = self._changes.choose(datagrams, time.monotonic())
-            self._account.unchanged[self.name] += len(datagrams) - len(chosen)
-            datagrams = chosen
-            if self._changes.next_due < due:
-                self.wake()
-        self._send_and_count(datagrams)
+        chosen = self._changed(datagrams)
+        self._account.unchanged[self.name] += len(datagrams) - len(chosen)
+        self._send_and_count(chosen)
 
-    def _repeat(self, datagram: bytes) -> None:
+    def _count_superseded(self, count: int) -> None:
+        self._account.superseded[self.name] += count
+
+    def _repeat(self, datagram: bytes) -> int:
         """Send the last datagram once more; it is no message of the topic, so the other counters leave it out."""
-        if not (self.refused or self._ended):
-            self._account.repeated[self.name] += self._send([datagram])
+        sent = 0 if self.refused or self._ended else self._send([datagram])
+        self._account.repeated[self.name] += sent
+        return sent
 
     def send_again(self, datagram: bytes) -> None:
         """Send a datagram that the native core has made but could not send, and count it."""
@@ -189,8 +154,7 @@ class OutboundRow:
                 self._watchdog.message_passed(time.monotonic())
         if failed := len(datagrams) - sent:
             self._account.failed[self.name] += failed
-            if self._changes is not None:
-                self._changes.not_sent()
+            self._not_sent()
 
     def _stop_is_due(self, watchdog: Watchdog, now: float) -> bool:
         """Return true if the stop must be sent now. Log a warning when the topic has just become silent."""
@@ -208,7 +172,7 @@ class OutboundRow:
     def _tell_to_stop(self) -> None:
         """Send the stop and discard the waiting message, so that no older command follows the stop."""
         if self.pacer is not None and self.lock.acquire(blocking=False):
-            self._account.superseded[self.name] += self.pacer.withdraw() is not None
+            self._count_superseded(self.pacer.withdraw() is not None)
             self.lock.release()
         self._account.stops[self.name] += self._send([self._stop])
 

@@ -85,7 +85,7 @@ class Requests:
         """
         if (name := self._asked_by.get(number)) is not None:
             settings, repeater = self._sent[name]
-            found = repeater.answered(_number_in(payload, settings), now)
+            found = repeater.answered(settings.number_in(payload), now)
             if isinstance(found, Fate):
                 return found
             found(payload)
@@ -93,7 +93,7 @@ class Requests:
         if number not in self._got:
             return Fate.UNKNOWN
         settings, responses = self._got[number]
-        known = responses.take(payload.SerializeToString(deterministic=True), _number_in(payload, settings), now)
+        known = responses.take(payload.SerializeToString(deterministic=True), settings.number_in(payload), now)
         if isinstance(known, Fate):
             return known
         self._again.append(known)
@@ -103,14 +103,10 @@ class Requests:
         """Store a datagram that is sent if it is a response, in case that the request comes again."""
         if (number := self._answers.get(handler.route.name)) is not None:
             settings, responses = self._got[number]
-            responses.store(_number_in(payload, settings), datagram)
+            responses.store(settings.number_in(payload), datagram)
 
     def withdraw(self, error: RoverlinkError) -> None:
         """End all requests with an error."""
         for _, repeater in self._sent.values():
             for done, _ in repeater.withdraw():
                 done(error)
-
-
-def _number_in(payload: Any, settings: RowRequest) -> int:
-    return int(getattr(payload, settings.field)) if settings.field else 0

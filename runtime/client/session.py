@@ -78,13 +78,11 @@ class Session:
         With ``link``, link messages are exchanged with the bridge if the table has them. Raises `SetupError` if the
         table has no such peer or board.
         """
-        if end.peer not in registry.peers_by_name:
-            raise SetupError(f"unknown peer {end.peer!r}; {nearest(end.peer, registry.peers_by_name)}")
+        self.peer, self.end = registry.peer(end.peer), end
         boards = registry.boards_of(end.peer)
         if end.board and end.board not in boards:
             known = nearest(end.board, boards) if boards else f"{end.peer} has no boards"
             raise SetupError(f"unknown board {end.board!r}; {known}")
-        self.peer, self.end = registry.peers_by_name[end.peer], end
         self.traffic = Traffic()
         self._registry, self._hooks = registry, tuple(hooks)
         self._translator = Translator(registry)

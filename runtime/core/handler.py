@@ -102,10 +102,14 @@ class RowRequest:
     """Integer field of both payloads by which they belong together; empty if there is one request at a time."""
     service: RowService | None = None
 
+    def number_in(self, payload: Any) -> int:
+        """Return the number in the field of a request or response; 0 without a field."""
+        return int(getattr(payload, self.field)) if self.field else 0
+
 
 @dataclass(frozen=True, slots=True)
 class SendLimits:
-    """SendLimits of the messages of a row that are sent to a peer; without values, all are sent."""
+    """Limits of the messages of a row that are sent to a peer; without values, all are sent."""
 
     max_rate: int | None = None
     """Largest number of messages a second; None for no limit."""
@@ -142,9 +146,9 @@ class Route:
     It also is the priority within the budget of a peer, for messages to the peer and for forwarded ones.
     """
     send: SendLimits | None = None
-    """SendLimits of what is sent to the row's peer; None if all is sent."""
+    """Limits of what is sent to the row's peer; None if all is sent."""
     forward_limits: tuple[tuple[str, SendLimits], ...] = ()
-    """SendLimits of what is forwarded to other peers, each with the peer's name."""
+    """Limits of what is forwarded to other peers, each with the peer's name."""
     expect_rate: int | None = None
     """Expected messages a second; diagnostics warn if the rate is clearly lower. None for no expectation."""
     board: str = ""

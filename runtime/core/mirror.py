@@ -24,12 +24,12 @@ def mirrored(registry: Registry, end: EndName, port: int) -> Registry:
     """Return the registry of a bridge that is the peer or board ``end``.
 
     ``port`` is the UDP port on which the rover's bridge listens, if the parameter is not given. Raises `SetupError` if
-    the peer has boards with ports of their own, which one bridge cannot all be.
+    the peer has boards with addresses of their own, which one bridge cannot all be.
     """
     peer = registry.peers_by_name[end.peer]
     if peer.boards and not end.board:
         boards = ", ".join(board.name for board in peer.boards)
-        raise SetupError(f"the boards of {end.peer} have ports of their own; name one of them: {boards}")
+        raise SetupError(f"the boards of {end.peer} have addresses of their own; name one of them: {boards}")
     # In this order the link messages tell the rows, and the first ones have to tell who we are.
     numbers = link_message.rows_in_turn(registry, end)
     handlers = tuple(_mirrored(registry.by_number[number], end) for number in numbers)

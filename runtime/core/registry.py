@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from google.protobuf.message import EncodeError
 
-from roverlink.runtime.core.errors import ConversionError, RegistryError, SetupError
+from roverlink.runtime.core.errors import ConversionError, RegistryError, SetupError, nearest
 from roverlink.runtime.core.handler import BoardStamp, Handler, Route
 from roverlink.runtime.core.messages import fields_of
 from roverlink.runtime.core.standard_handler import StandardHandler
@@ -158,6 +158,12 @@ class Registry:
     def peers_by_name(self) -> dict[str, Peer]:
         """Peers by name."""
         return {peer.name: peer for peer in self.peers}
+
+    def peer(self, name: str) -> Peer:
+        """Return the peer of a name. Raises `SetupError` if the table has none."""
+        if name not in self.peers_by_name:
+            raise SetupError(f"unknown peer {name!r}; {nearest(name, self.peers_by_name)}")
+        return self.peers_by_name[name]
 
     @cached_property
     def ends(self) -> dict[EndName, End]:

@@ -24,13 +24,16 @@ class Liveness(NamedTuple):
     """Age in seconds from which on the peer or board counts as silent."""
 
 
-def liveness_of(rows: Iterable[tuple[float | None, float | None]]) -> Liveness:
+def liveness_of(rows: Iterable[tuple[float | None, float | None]], link_age: float | None = None) -> Liveness:
     """Return the liveness of a peer or a board.
 
     ``rows`` holds, for each row that comes from there, the seconds since its last message and its expected messages a
-    second; either can be None.
+    second; either can be None. ``link_age`` is the seconds since its last link message; None if there was none. A link
+    message alone means alive, unless a row has an expected rate.
     """
     rows = list(rows)
+    if link_age is not None and not any(rate for _, rate in rows):
+        rows.append((link_age, None))
     age = min((age for age, _ in rows if age is not None), default=None)
     # One that is expected to speak once in ten seconds is not silent between two messages.
     slowest = min((rate for _, rate in rows if rate), default=None)
@@ -40,6 +43,15 @@ def liveness_of(rows: Iterable[tuple[float | None, float | None]]) -> Liveness:
     if age is None:
         return Liveness("never", age, limit)
     return Liveness("alive" if age <= limit else "silent", age, limit)
+
+
+def link_age(ages: Mapping[EndName, float], end: EndName) -> float | None:
+    """Return the age of the last link message that speaks for a peer or a board; None if there was none.
+
+    ``ages`` are those of each end that has sent one. A peer speaks for its boards, and each board for its peer.
+    """
+    of_peer = {one.board: age for one, age in ages.items() if one.peer == end.peer}
+    return min((age for board, age in of_peer.items() if not board or end.board in ("", board)), default=None)
 
 
 class SilenceLog:

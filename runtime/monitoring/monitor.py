@@ -22,7 +22,7 @@ from roverlink.runtime.core.errors import Reason
 from roverlink.runtime.core.handler import Route
 from roverlink.runtime.core.periodic_thread import PeriodicThread
 from roverlink.runtime.core.registry import EndName, Registry
-from roverlink.runtime.monitoring.liveness import Liveness, liveness_of
+from roverlink.runtime.monitoring.liveness import Liveness, link_age, liveness_of
 from roverlink.runtime.monitoring.state import Budget, EndState, Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
 
@@ -170,11 +170,12 @@ class Monitor:
         recording = self._recording()
         level, message = self._overall(recording, account)
         rows = tuple(self._row(one.route, account) for _, one in sorted(self._registry.by_number.items()))
+        links = self._bridge.link_reports()
         return State(
             node=self._node,
             fingerprint=self._registry.fingerprint,
             rows=rows,
-            ends=tuple(_ends(self._bridge.link_states(), rows, self._bridge.clock_reports())),
+            ends=tuple(_ends(self._bridge.link_states(), rows, self._bridge.clock_reports(), links)),
             undelivered=dict(account.undelivered),
             damaged=dict(account.damaged),
             unforwarded=dict(account.unforwarded),
@@ -195,7 +196,7 @@ class Monitor:
             message=message,
             latencies=self._bridge.latencies(),
             recording=recording,
-            links=tuple(self._bridge.link_reports()),
+            links=tuple(links),
         )
 
     def _overall(self, recording: Recording | None, account: Account) -> tuple[Level, str]:
@@ -265,18 +266,22 @@ def _percent(share: float) -> str:
 
 
 def _ends(
-    links: Mapping[EndName, LinkState], rows: Sequence[RowState], clocks: Mapping[EndName, ClockReport]
+    links: Mapping[EndName, LinkState],
+    rows: Sequence[RowState],
+    clocks: Mapping[EndName, ClockReport],
+    reports: Sequence[EndReport],
 ) -> Iterator[EndState]:
     """Yield the state of each end of the link, and of each board that has rows.
 
     A board without an address of its own has that of its peer.
     """
     boards = [EndName(row.peer, row.board) for row in rows if row.board]
+    ages = {report.end: report.age for report in reports if report.age is not None}
     for name in dict.fromkeys([*links, *boards]):
         link = links.get(name) or links.get(EndName(name.peer))
         own = [row for row in rows if row.peer == name.peer and name.board in ("", row.board)]
         inbound = [row for row in own if row.direction.endswith("_to_ros")]
-        liveness = liveness_of((row.age, row.expect_rate) for row in inbound)
+        liveness = liveness_of(((row.age, row.expect_rate) for row in inbound), link_age(ages, name))
         if link is None:  # a board that sends, but to which nothing goes
             link = LinkState((), "ok")
         level, message = _assess_end(link, liveness)

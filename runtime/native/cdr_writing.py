@@ -169,10 +169,8 @@ class CdrWriting:
             self.parts.expressions += numbers
             return [op(Code.QUATERNION, a=first)]
         if "moment" in one:
-            if not one["moment"]:
+            if not one["moment"] or "counter" in one["moment"]:
                 return [op(Code.STAMP)]
-            if "counter" in one["moment"]:
-                raise UnsupportedError("its stamps are by the clock of the board")
             return [op(Code.MOMENT, a=self.parts.expression(self.parts.number(one["moment"], descriptor)))]
         place = self.parts.payloads.place(descriptor, one["from"])
         if place.field.is_repeated:

@@ -159,6 +159,8 @@ class NativeCore:
                 reasons[False] = "the message does not determine the payload"
         except UnsupportedError as error:
             reasons[False] = str(error)
+        if handler.board_stamp is not None:
+            reasons[True] = "its stamps are by the clock of the board"
         if reason := reasons[handler.route.inbound]:
             self.unsupported[handler.route.topic] = reason
         return made

@@ -16,6 +16,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from itertools import islice
+from typing import NamedTuple
 
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net import udp
@@ -32,11 +33,12 @@ _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.1, 2.0
 _LOOK_S = 0.01
 _DRAIN_S = 0.5
 """Longest time in seconds to send what waits when the carrier is closed, such as the stops."""
+_NOT_YET = "not connected yet"
 _LOOPBACK = {socket.AF_INET: "127.0.0.1", socket.AF_INET6: "::1"}
 _EVERYWHERE = ("0.0.0.0", "::")  # noqa: S104  # addresses of sockets that other modules have bound
 
 Report = Callable[[str], None]
-"""Function that gets the reason why there is no connection any more; empty if there is one again."""
+"""Function that gets the reason why there is no connection any more, or none yet; empty if there is one again."""
 
 
 class Outgoing:
@@ -101,12 +103,14 @@ class Carrier:
         program: socket.socket,
         report: Report = lambda _: None,
         outbox: Outbox[bytes] | None = None,
+        sign: Callable[[bytes], bytes] | None = None,
     ) -> None:
         """Carry between ``transport`` and the bound UDP socket of the program.
 
         ``report`` gets each change of the connection. ``outbox`` decides which datagram goes next.
+        ``sign`` signs each when it leaves: what is signed may not be overtaken any more.
         """
-        self._transport, self._report = transport, report
+        self._transport, self._report, self._sign = transport, report, sign
         self._outbox = outbox or Outbox[bytes]()
         self._program = _reachable(program)
         self._socket = udp.bind(_LOOPBACK[program.family], 0, _BUFFER)
@@ -117,7 +121,7 @@ class Carrier:
         self._broken: OSError | None = None
         self._closed = False
         self._refused = self._lost = 0
-        self.why: str | None = "not connected yet"
+        self.why: str | None = _NOT_YET
         """Reason why there is no connection; None if there is one."""
 
     @property
@@ -194,7 +198,9 @@ class Carrier:
 
     def _tell(self, why: str | None) -> None:
         before, self.why = self.why, why
-        if before != why and not self._closed:
+        # Without a connection, the reason may change with each attempt, such as "nobody has connected".
+        is_news = (before is None) != (why is None) or before is _NOT_YET
+        if is_news and not self._closed:
             self._report(why or "")
 
     def _sleep(self, seconds: float) -> None:
@@ -207,6 +213,7 @@ class Carrier:
             connection = self._connection
             if connection is None or self._broken is not None:
                 raise ConnectionError(self.why)
+            datagram = self._sign(datagram) if self._sign is not None else datagram
             if len(datagram) > self._transport.largest:
                 self._outbox.undelivered[Undelivered.TOO_LARGE.value] += 1
                 return
@@ -219,15 +226,24 @@ class Carrier:
                 raise
 
 
+class Way(NamedTuple):
+    """Way of datagrams to an end."""
+
+    address: tuple[str, int]
+    """IP address and port to which datagrams for the end go."""
+    socket: socket.socket | None
+    """Socket at which the datagrams of the end arrive, if it has a line."""
+
+
 @contextlib.contextmanager
-def way_to(text: str, lost: Callable[[Counter[str]], None]) -> Iterator[tuple[str, int]]:
-    """Yield the IP address and port to which datagrams for ``text`` go: ``HOST:PORT``, or the address of a line.
+def way_to(text: str, lost: Callable[[Counter[str]], None]) -> Iterator[Way]:
+    """Yield the way for ``text``: ``HOST:PORT``, or the address of a line.
 
     At the end, ``lost`` gets the number of datagrams that were not sent over the line, by reason, if there are any.
     Raises `SetupError` if the text has another form, or if there is no connection.
     """
     if not names_transport(text):
-        yield udp.destination_of(text)
+        yield Way(udp.destination_of(text), None)
         return
     with udp.bind(_LOOPBACK[socket.AF_INET], 0, _BUFFER) as sock:
         carrier = Carrier(transport_at(text), sock)
@@ -236,7 +252,7 @@ def way_to(text: str, lost: Callable[[Counter[str]], None]) -> Iterator[tuple[st
             carrier.wait()
             if carrier.why is not None:
                 raise SetupError(f"no connection over {text}: {carrier.why}")
-            yield carrier.address[:2]
+            yield Way(carrier.address[:2], sock)
         finally:
             carrier.close()
         if undelivered := +carrier.undelivered:

@@ -83,6 +83,8 @@ class Destination:
         self._ways: list[_Way] = []
         self._used: tuple[_Way, ...] = ()
         self._serves_core = True
+        self.signs = False
+        """True if what is sent here gets its signature behind this socket, when the line to the end is free."""
         self.direct_to(*targets)
 
     def direct_to(self, *targets: Target) -> None:
@@ -104,7 +106,7 @@ class Destination:
         self._note_route()
 
     def _note_route(self) -> None:
-        routes = [way.connected_socket for way in self._used if self._serves_core]
+        routes = [way.connected_socket for way in self._used if self._serves_core and not self.signs]
         self.connected_socket.value = routes[0] if len(routes) == 1 else _NONE
 
     @property

@@ -65,6 +65,11 @@ def _envelope(channels: Iterable[Channel]) -> type[ProtoMessage] | None:
 class BoardReplay(_Replay):
     """Replay in the role of the boards: the datagrams that the bridge received are sent to a bridge again."""
 
+    def __init__(self, recording: Recording, registry: Registry, peer: str | None = None) -> None:
+        """Select the payloads of one peer, or with None all datagrams. Raises `SetupError` for an unknown peer."""
+        super().__init__(recording, registry)
+        self._peer = registry.peer(peer).name if peer else None
+
     def messages(self, since: int = 0) -> Iterator[Timed]:
         """Yield the received datagrams, converted to the current schema. If it has not changed, the bytes are kept.
 
@@ -74,9 +79,18 @@ class BoardReplay(_Replay):
             if not recorded.channel.topic.startswith(RECEIVED):
                 continue
             try:
-                yield Timed(recorded.time, "", self.adapter.adapt(recorded.data))
+                datagram = self.adapter.adapt(recorded.data)
             except DatagramError as error:
                 self.refused[str(error)] += 1
+                continue
+            if self._peer in (None, *self._peers_of(datagram)):
+                yield Timed(recorded.time, "", datagram)
+
+    def _peers_of(self, datagram: bytes) -> Iterator[str]:
+        """Yield the peers that a datagram belongs to; none for a link message."""
+        for number in envelope.payload_numbers(envelope.restore(datagram)) if self._peer else ():
+            if (handler := self._registry.by_number.get(number)) is not None:
+                yield handler.route.peer
 
 
 class RosReplay(_Replay):

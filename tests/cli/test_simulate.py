@@ -12,8 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from asking import TABLE as ASKING
+from asking import asking_registry, write_asking_project
 from linked import TABLE, linked_registry, write_project
 from programs import Start
+from repeating import repeated
 from running import Called
 
 from generated.registry import REGISTRY
@@ -261,6 +264,36 @@ def test_attacks_are_refused_each_for_its_reason(
     assert dropped.keys() >= drops
     assert {reason: account["sent"][reason] for reason in drops} == {reason: dropped[reason] for reason in drops}
     assert account["bridge"]["links_received"] == account["sent"]["link message"]
+
+
+@pytest.mark.slow
+def test_a_simulated_board_answers_what_it_is_asked(done: Start, peer: socket.socket, tmp_path: Path) -> None:
+    """At its port, with the number of the request; a response that nobody has asked for does not come."""
+    port = peer.getsockname()[1]
+    with socket.socket(type=socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        board = free.getsockname()
+    project = write_asking_project(tmp_path / "asking", ASKING.replace("6001", str(board[1])))
+    envelope: Any = asking_registry().envelope
+    request = envelope(grip={"id": 7, "force": 0.5}).SerializeToString()
+    with repeated(lambda _: peer.sendto(request, board), 0.05):
+        options = ("--project", project, "--peer", "board", "--to", f"127.0.0.1:{port}", "--seconds", 2, "--json")
+        code, output, errors = done("simulate", *options)
+    assert (code, errors) == (0, "")
+    for _ in range(json.loads(output)["sent"][PUBLISHED]):
+        answer = envelope.FromString(peer.recv(1000))
+        assert (answer.WhichOneof("payload"), answer.gripped.id) == ("gripped", 7)
+        assert answer.gripped.force > 0
+
+
+@pytest.mark.slow
+def test_requests_through_a_bridge_are_answered(done: Start, tmp_path: Path) -> None:
+    """What the nodes ask is answered by the simulated board, and all sums agree."""
+    project = write_asking_project(tmp_path / "asking")
+    code, output, errors = done("simulate", "--project", project, "--bridge", "memory", "--seconds", 2, "--json")
+    assert (code, errors) == (0, "")
+    account = json.loads(output)["bridge"]["by_payload"]
+    assert account["published"]["gripped"] == account["sent"]["grip"] > 0
 
 
 @pytest.mark.slow

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import doctest
 import math
+import socket
 import sys
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from subprocess import PIPE, Popen
+from typing import Any
 
 import pytest
-from bridge_rig import Rig, listener, port_of
+from bridge_rig import Rig, end, listener, of_peers, port_of
 from case_file import usual_table
 from needs import NO_OPENCV, needs_dds
 from page import ROOT, blocks
@@ -21,7 +23,8 @@ from repeating import repeated
 from generated.registry import REGISTRY
 from roverlink.__main__ import main
 from roverlink.generator.pipeline import compile_table
-from roverlink.runtime import load_registry
+from roverlink.runtime import Registry, load_registry
+from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import NodeIdentity, open_middleware
 
 _DOCS, _DOCS_OF_ROVERKIT = ROOT / "docs", ROOT / "rover" / "docs"
@@ -147,3 +150,19 @@ def test_the_request_of_the_page_is_answered(tmp_path: Path, capsys: pytest.Capt
         code = shown["python"].replace("generated.", "requests_of_the_page.").replace("host=host", where)
         exec(code, {"registry": rig.registry})  # noqa: S102  # it stands on our own page
     assert capsys.readouterr().out == "40.2 cm\n"
+    _is_answered_by_a_simulated_board(rig.registry, tmp_path, shown["console"].removeprefix("$ roverlink ").split())
+
+
+def _is_answered_by_a_simulated_board(registry: Registry, project: Path, command: list[str]) -> None:
+    """A call of the service ends when the command of the page plays the board, here at the other end of a line."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        line = f"tcp:127.0.0.1:{free.getsockname()[1]}"
+    grip, responses = registry.by_name["grip"], list[Any]()
+    service = grip.route.request.service
+    with Rig(of_peers(registry, board=end("board", f"{line}?listen"))) as rig:
+        request = cdr.encode(service.request(force=0.5))
+        assert rig.node.client("/grip", service).call(request, responses.append)
+        where = [line if ":" in word else word for word in command]
+        assert main([*where, "--project", str(project), "--seconds", "2"]) == 0
+        assert [cdr.decode(service.response, one).error for one in responses] == [""]
+        assert rig.account.published["gripped"] == 1

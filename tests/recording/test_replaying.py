@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import socket
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from bridge_rig import QUIET, Rig, end, of_peers
 from google.protobuf import descriptor_pb2
+from polling import wait_until
 from runs import LOGGER, ROWS, record_everything
 
 from generated.messages import ImuSensorInformation
 from generated.registry import REGISTRY
+from roverlink.__main__ import main
 from roverlink.runtime import Registry, SetupError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Float32, Message
@@ -65,6 +69,21 @@ def test_as_board_it_reproduces_the_original_datagrams(tmp_path: Path) -> None:
     replay = BoardReplay(Recording(tmp_path / "run.mcap"), REGISTRY)
     assert [message.data for message in replay.messages()] == handed["/datagrams/received"]
     assert (replay.notes, replay.refused) == ([], {})
+
+
+def test_one_peer_is_replayed_over_its_line(tmp_path: Path) -> None:
+    """A bridge takes nothing from another peer over a line."""
+    record_everything(tmp_path / "run.mcap", turns=2)
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        line = f"tcp:127.0.0.1:{free.getsockname()[1]}"
+    rows = [one.route.name for one in REGISTRY.handlers if one.route.inbound and one.route.peer == "hardware"]
+    with Rig(of_peers(QUIET, hardware=end("hw", f"{line}?listen"))) as rig:
+        given = ["--project", str(Path(__file__).parents[2]), "--peer", "hardware", "--to", line]
+        assert main(["recording", "replay", str(tmp_path / "run.mcap"), *given]) == 0
+        wait_until(lambda: rig.account.received == 2 * len(rows), "all datagrams")
+        assert rig.account.published == dict.fromkeys(rows, 2)
+    with pytest.raises(SetupError, match="unknown peer 'hardwar'; did you mean 'hardware'"):
+        BoardReplay(Recording(tmp_path / "run.mcap"), REGISTRY, "hardwar")
 
 
 def test_as_ros_it_publishes_the_recorded_topics(tmp_path: Path) -> None:

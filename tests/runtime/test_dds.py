@@ -17,6 +17,8 @@ from typing import Any, TypeVar, get_type_hints
 
 import pytest
 from asking import asking_registry
+from bridge_rig import QUIET, Rig, end, of_peers
+from lines import cable
 from needs import NO_DDS
 from polling import PATIENCE_S, wait_until
 
@@ -26,6 +28,7 @@ from roverlink.dds_domain import claim_domain
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.core.registry import EndName
 from roverlink.runtime.interfaces import rcl_interfaces as rcl
 from roverlink.runtime.middleware import Endpoint, Middleware, NodeIdentity, open_middleware
 from roverlink.runtime.middleware.following import FollowingSubscription
@@ -507,6 +510,19 @@ def test_a_change_is_a_parameter_event(client: _Client) -> None:
         client.call("set_parameters", rcl.SetParametersResponse, change)
         event = cdr.decode(rcl.ParameterEvent, wait_until(lambda: events, "the event")[0])
     assert (event.node, event.changed_parameters) == ("/rover/udp_forwarder", change)
+
+
+def test_a_service_moves_an_end_to_a_line(domain: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Commands go over the line from then on; a wrong line is refused with the reason, and changes nothing."""
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
+    registry = of_peers(QUIET, hardware=end("hw", "127.0.0.1"))
+    with cable(tmp_path / "tty") as plugged, Rig(registry) as rig, open_middleware("dds", _NODE, rig.live):
+        lines = [rcl.Parameter("hw_host", _text(f"serial:{tmp_path}/tty{more}")) for more in ("", "?baud=no")]
+        results = _Client(domain).call("set_parameters", rcl.SetParametersResponse, lines).results
+        assert [result.successful for result in results] == [True, False]
+        assert "'no' is no value of the option 'baud'" in results[1].reason
+        wait_until(lambda: rig.bridge.link_states()[EndName("hardware")].state == "ok", "a connection")
+        assert rig.publish("drive_motor") == plugged.receive()
 
 
 def test_a_request_that_cannot_be_read_is_ignored(client: _Client, caplog: pytest.LogCaptureFixture) -> None:

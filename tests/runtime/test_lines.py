@@ -9,6 +9,7 @@ import itertools
 import socket
 import threading
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -249,6 +250,13 @@ def _read(stream: io.BufferedReader) -> bytes:
     return message.SerializeToString()
 
 
+@pytest.fixture
+def free_port() -> int:
+    """A TCP port on which nobody listens."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return int(server.getsockname()[1])
+
+
 @pytest.mark.parametrize("listens", [True, False])
 def test_a_board_behind_tcp(listens: bool) -> None:
     """Whoever listens, both directions work, and a new connection follows one that is closed, or replaces it."""
@@ -275,6 +283,26 @@ def test_a_board_behind_tcp(listens: bool) -> None:
                     _is_connected(rig)
                     assert rig.publish("drive_motor") == _read(_stream(second))
             assert rig.bridge.account.dropped == {}
+
+
+def test_a_client_that_leaves_is_counted_once(free_port: int) -> None:
+    """That nobody follows it is another reason, and no other event."""
+    nobody = f"nobody has connected to TCP port {free_port}"
+    with Rig(_on_line(f"tcp:127.0.0.1:{free_port}?listen")) as rig:
+        events = rig.bridge.account.link_events
+        wait_until(lambda: _state(rig).fault == nobody, "a bridge that waits")
+        with _connect(("127.0.0.1", free_port)):
+            _is_connected(rig)
+        wait_until(lambda: _state(rig).fault == nobody, "a bridge that waits again")
+        assert events == {("hardware", "", "connected"): 1, ("hardware", "", "disconnected"): 2}
+
+
+def test_a_connection_to_itself_is_none(free_port: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The kernel may connect a socket to its own port, if it is one of those for outgoing connections."""
+    own = partial(socket.create_connection, source_address=("127.0.0.1", free_port))
+    monkeypatch.setattr(socket, "create_connection", own)
+    with pytest.raises(ConnectionRefusedError, match="Connection refused"):
+        transport_at(f"tcp:127.0.0.1:{free_port}").connect()
 
 
 def _connect(address: tuple[str, int]) -> socket.socket:
@@ -318,13 +346,6 @@ def test_behind_a_connection_that_hangs_commands_get_lost_and_not_late() -> None
 
 
 # --- programs at the other end ----------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def free_port() -> int:
-    """A TCP port on which nobody listens."""
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return int(server.getsockname()[1])
 
 
 def test_both_clients_speak_over_a_line(free_port: int) -> None:

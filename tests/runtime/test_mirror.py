@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from asking import asking_registry
 from both_ends import BASE, LOGGER, BothEnds, copied_keys
 from bridge_rig import QUIET, changed, end, of_peers
 from linked import linked_registry
@@ -17,6 +18,7 @@ from generated.registry import REGISTRY
 from roverlink.runtime import Bridge, Qos, Registry, SetupError
 from roverlink.runtime.bridge.link_exchange import DIFFERS, SAME
 from roverlink.runtime.bridge.signed_peers import open_links
+from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import NOT_PROVEN
 from roverlink.runtime.core.handler import BoardStamp
 from roverlink.runtime.core.mirror import end_named, mirrored
@@ -36,16 +38,15 @@ class _Ends(BothEnds):
     def __init__(self, registry: Registry, **more: Any) -> None:
         graph = Graph()
         super().__init__(registry, lambda _: MemoryMiddleware(graph), **more)
-        self._node = MemoryMiddleware(graph)
-        self.heard: list[bytes] = []
+        self.node = MemoryMiddleware(graph)
 
     def crosses(self, handler: Any, payload: dict[str, Any]) -> None:
         """Publish a message at its end until the node at the other end has it."""
         near, far = ("base", "rover") if handler.route.inbound else ("rover", "base")
         message, heard = handler.to_cdr(handler.payload_type(**payload)), list[bytes]()
         topic, kind = f"/{{}}/{handler.route.topic}".format, handler.message_type
-        publisher = self._node.publisher(topic(near), kind, Qos())
-        subscription = self._node.subscribe(topic(far), kind, Qos(), heard.extend)
+        publisher = self.node.publisher(topic(near), kind, Qos())
+        subscription = self.node.subscribe(topic(far), kind, Qos(), heard.extend)
         wait_until(lambda: publisher.publish([message]) and message in heard, f"{handler.route.name} at the other end")
         subscription.close()
 
@@ -135,6 +136,28 @@ def test_both_ends_of_a_line() -> None:
         ends.crosses(_ROCK, {"frame_id": 5})
 
 
+def test_requests_of_a_node_at_the_other_end() -> None:
+    """Its call goes over the link to the rover's service, and the response back; on a topic, each is once, too."""
+    registry = asking_registry()
+    find, found, measure = (registry.by_name[name] for name in ("find", "found", "measure"))
+    service = measure.route.request.service  # type: ignore[union-attr]
+    with _Ends(registry, end=EndName("base"), loss=0.3) as ends:
+        responses: list[Any] = []
+
+        def answer(data: bytes, respond: Any) -> None:
+            respond(cdr.encode(service.response(length=cdr.decode(service.request, data).x / 2)))
+
+        ends.node.offer("/rover/measure_rock", service, answer)
+        client = ends.node.client("/base/measure_rock", service)
+        for number in range(20):
+            request = cdr.encode(service.request(x=number))
+            assert client.call(request, lambda data: responses.append(cdr.decode(service.response, data)))
+        wait_until(lambda: len(responses) == 20, "all responses")
+        assert sorted(one.length for one in responses if not one.error) == [one / 2 for one in range(20)]
+        ends.crosses(find, {"id": 5, "what": 1})
+        ends.crosses(found, {"id": 5, "x": 1.0})
+
+
 def test_what_a_mirrored_row_says() -> None:
     """A limit of the topic stays; that of what the rover sends is the rover's work, and so are stops and clocks."""
     registry = changed(changed(REGISTRY, "control_mode", max_rate=5), "rover_localization", max_rate=3, priority=2)
@@ -161,12 +184,14 @@ def test_what_a_mirrored_row_says() -> None:
 
 
 def test_an_end_that_one_bridge_cannot_be() -> None:
-    """The whole peer, if its boards have ports of their own; each of its boards can be."""
+    """The whole peer, if its boards have addresses of their own; each of its boards can be."""
     boards = tuple(
         End(name, port_parameter=f"{name}_port", port=port) for name, port in (("ArmBoard", 1), ("Motors", 2))
     )
     registry = of_peers(REGISTRY, hardware={"boards": boards})
-    with pytest.raises(SetupError, match="the boards of hardware have ports of their own; name one of them: ArmBoard"):
+    with pytest.raises(
+        SetupError, match="the boards of hardware have addresses of their own; name one of them: ArmBoard"
+    ):
         mirrored(registry, end_named(registry, "hardware"), 5000)
     arm = mirrored(registry, end_named(registry, "ArmBoard"), 5000)
     assert arm.own is not None

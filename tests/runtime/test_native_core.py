@@ -16,7 +16,7 @@ import pytest
 from needs import needs_native
 
 from generated.registry import REGISTRY
-from roverlink.runtime.bridge.pacing import Pacer
+from roverlink.runtime.bridge.limited_row import Pacer
 from roverlink.runtime.core.signing import SigningClock, Stream
 from roverlink.runtime.native import bridge_layout, core, layout
 from roverlink.runtime.native.observer_ring import ObserverRing

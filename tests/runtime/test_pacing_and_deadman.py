@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roverlink.runtime.bridge.deadman import Watchdog
-from roverlink.runtime.bridge.pacing import Pacer
+from roverlink.runtime.bridge.limited_row import Pacer
 
 
 def test_the_newest_waits_and_the_others_are_counted() -> None:

@@ -12,19 +12,24 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridge_rig import QUIET, Rig, changed, end, envelope, listener, of_peers, waiting
+from bridge_rig import QUIET, Rig, changed, end, envelope, listener, of_peers, port_of, waiting
 from lines import cable
-from polling import wait_until
-from test_signed_bridge import SignedRig, signing
+from linked import linked_registry
+from polling import PATIENCE_S, wait_until
+from test_signed_bridge import NUMBER, SignedRig, signing
 
 from generated.registry import REGISTRY
+from roverlink.generator.example_payloads import payload_at
 from roverlink.runtime import Registry
 from roverlink.runtime.core.handler import Deadman, SendLimits
+from roverlink.runtime.core.link_message import LinkWriter
 from roverlink.runtime.core.registry import EndName
-from roverlink.runtime.net.carrier import Outgoing
+from roverlink.runtime.core.signing import Key, Signer, SigningClock, Verifier, size_of_signature
+from roverlink.runtime.net.carrier import Carrier
 from roverlink.runtime.net.outbox import Outbox, number_of, priority_by_number
 
 _SO_TIMESTAMPNS = 35  # asm-generic/socket.h
+_ROCK = payload_at(REGISTRY.by_name["detected_object"].payload_type, 1.0)
 
 
 def _imu(number: int) -> bytes:
@@ -93,19 +98,32 @@ def test_a_row_is_sent_on_change_and_again_without_a_message() -> None:
 
 
 @pytest.mark.parametrize("budget", [None, 100_000])
-def test_what_the_network_refused_is_not_the_state_that_an_end_has(tmp_path: Path, budget: int | None) -> None:
-    """The same payload is sent as soon as there is a connection, and the one before counts as failed."""
+def test_who_comes_later_gets_the_last_state_once(tmp_path: Path, budget: int | None) -> None:
+    """After each reconnection, what was last to be forwarded and sent comes, and only that; the same again does not."""
     registry = changed(_forwarding(on_change=True), "detected_object", send=SendLimits(on_change=True))
-    with Rig(of_peers(registry, basestation=end("base", f"serial:{tmp_path}/tty", budget=budget))) as rig:
-        rig.receive(_imu(1))
-        rig.publish("detected_object")
-        with cable(tmp_path / "tty") as plugged:
-            wait_until(lambda: rig.bridge.link_states()[EndName("basestation")].state == "ok", "a connection")
-            rig.receive(_imu(1))
-            rig.publish("detected_object")
-            assert plugged.receive() == _imu(1)
-            assert REGISTRY.envelope.FromString(plugged.receive()).HasField("detected_object")
-        assert (rig.account.failed, rig.account.forwarded) == ({"detected_object": 1}, {"basestation": 1})
+    with Rig(of_peers(registry, basestation=end("base", f"serial:{tmp_path}/tty*", budget=budget))) as rig:
+        rig.receive(_imu(1), _imu(2))
+        states = {_imu(2), rig.publish("detected_object", _ROCK)}
+        assert rig.account.failed == {"detected_object": 1}
+        for life in range(3):
+            with cable(tmp_path / f"tty{life}") as plugged:
+                assert {plugged.receive(), plugged.receive()} == states
+                rig.receive(_imu(2))
+                rig.publish("detected_object", _ROCK)
+        wait_until(lambda: rig.account.repeated.total() == 6, "the counts")
+        assert (rig.account.unchanged, rig.account.withheld.total()) == ({"detected_object": 3}, 3)
+
+
+def test_a_program_that_has_started_again_gets_the_last_state() -> None:
+    """Its link messages have a new session, and the next link message of the bridge brings the state."""
+    registry = changed(linked_registry(), "drive_command", send=SendLimits(on_change=True))
+    assert registry.link is not None
+    with Rig(registry) as rig:
+        command = rig.publish("drive_command", registry.by_name["drive_command"].payload_type(speed=1))
+        for session in (7, 8):
+            rig.receive(LinkWriter(registry.envelope, session, {2: registry.link.hashes[2]}).write(1))
+            wait_until(lambda n=session: rig.account.repeated["drive_command"] >= n - 6, "the state")
+        assert rig.arrived("hardware").count(command) == 3
 
 
 def _flooded(budget: int, **more: Any) -> Registry:
@@ -152,24 +170,67 @@ def test_telemetry_stays_within_the_budget_and_holds_nothing_urgent() -> None:
         assert sorted(delays)[len(delays) // 2] < 0.25, delays  # what waits in turn waits for half a second
 
 
+class _Line:
+    """Transport, and its connection, which takes a datagram when the test lets it."""
+
+    name, largest, refused = "line", 1000, 0
+
+    def __init__(self) -> None:
+        self.went, self.free, self._closed = list[bytes](), threading.Semaphore(0), threading.Event()
+
+    def connect(self) -> Any:
+        return self
+
+    def receive(self, timeout: float) -> list[bytes]:
+        self._closed.wait(timeout)
+        return []
+
+    def send(self, datagram: bytes) -> None:
+        self.went.append(datagram)
+        self.free.acquire()
+
+    def close(self) -> None:
+        self._closed.set()
+
+
 def test_an_urgent_datagram_overtakes_what_waits_for_a_line() -> None:
-    """By the priority of its row, also if a signature is in front of the payload; the others keep their order."""
+    """By the priority of its row, behind the signature of a sender, too; the others keep their order.
+
+    The signatures of the bridge are made in the order in which the datagrams leave.
+    """
     registry, telemetry = dataclasses.replace(REGISTRY, signature=3), [_imu(number) for number in range(1, 6)]
     stop = b"\x1a\x01x" + envelope(drive_motor={"distance_to_go": 1.0})
-    priority_of, went, free = priority_by_number(registry), list[bytes](), threading.Semaphore(0)
-    with listener() as end, listener() as program:
-        end.settimeout(None)
-        send = lambda datagram: (went.append(datagram), free.acquire())  # noqa: E731
-        outgoing = Outgoing(end, send, Outbox(lambda one: priority_of(number_of(one, 3))))  # type: ignore[arg-type]
-        outgoing.start()
+    priority_of, line, key = priority_by_number(registry), _Line(), Key(1, "ros", bytes(32))
+    outbox: Outbox[bytes] = Outbox(lambda one: priority_of(number_of(one, 3)))
+    with listener() as program:
+        carrier = Carrier(line, program, outbox=outbox, sign=Signer(3, key, SigningClock()).sign)
+        carrier.start()
+        carrier.wait(PATIENCE_S)
         for datagram in telemetry:
-            program.sendto(datagram, end.getsockname())
-        wait_until(lambda: went, "the first datagram")
-        program.sendto(stop, end.getsockname())
-        free.release(10)
-        wait_until(lambda: len(went) == 6, "all datagrams")
-        outgoing.close()
-    assert went == [telemetry[0], stop, *telemetry[1:]]
+            program.sendto(datagram, carrier.address)
+        wait_until(lambda: line.went, "the first datagram")
+        program.sendto(stop, carrier.address)
+        line.free.release(10)
+        wait_until(lambda: len(line.went) == 6, "all datagrams")
+        carrier.close()
+    verifier = Verifier(3, [(key, 0, SigningClock())])
+    assert [verifier.verify(datagram, {"ros"}) for datagram in line.went] == ["ros"] * 6
+    assert [one[: -size_of_signature(3)] for one in line.went] == [telemetry[0], stop, *telemetry[1:]]
+
+
+def test_what_leaves_over_a_line_is_signed_once(tmp_path: Path) -> None:
+    """Commands and forwarded datagrams over a serial line, and over UDP when the parameter says so."""
+    registry = changed(QUIET, "imu_info", forward=("basestation",))
+    with cable(tmp_path / "tty") as plugged:
+        host = end("base", f"serial:{tmp_path}/tty", must_sign=True)
+        with SignedRig(tmp_path, signing({"basestation": host}, registry)) as rig:
+            wait_until(lambda: rig.bridge.link_states()[EndName("basestation")].state == "ok", "a connection")
+            for arrived in (plugged.receive, lambda: rig.next("basestation")):
+                rig.receive(_imu(1))
+                command, both = rig.publish("detected_object", _ROCK), [arrived(), arrived()]
+                assert {rig.verdict("basestation", one) for one in both} == {"accepted"}
+                assert {one[: -size_of_signature(NUMBER)] for one in both} == {_imu(1), command}
+                rig.live.change({"base_host": "127.0.0.1", "base_port": port_of(rig.peers["basestation"])})
 
 
 def test_signatures_are_made_when_a_datagram_leaves(tmp_path: Path) -> None:

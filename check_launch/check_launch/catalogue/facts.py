@@ -118,7 +118,8 @@ class NodeClass:
     arguments: Mapping[str, str] = field(default_factory=dict)
     """Parameters that are set by arguments of the command line, such as ``frame_id`` by ``--frame-id``.
 
-    An option that ends with a colon stands before its value in one word: ``topic:NAME``."""
+    An option that ends with a colon stands before its value in one word: ``topic:NAME``. With an option that sets no
+    parameter, the program is another node, of which nothing is known."""
     topic_patterns: tuple[str, ...] = ()
     """Names of topics that the node may have, too, with ``{*}`` for any text."""
 

@@ -217,8 +217,10 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
         system.has_unknown = True
         return None
     facts = catalogue.classes.get(known.executables[executable])
-    if facts is None:
+    words = [(word or "").partition("=")[0] for word in started.arguments]
+    if facts is None or any(facts.arguments.get(word) == "" for word in words):
         system.has_unknown = True
+        return None
     return facts
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 
 from roverlink.generator.diagnostics import Diagnostic, Severity
@@ -9,6 +10,7 @@ from roverlink.generator.ir import largest_link_size
 from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.nanopb import Bounds, Unbounded, envelope_size, field_sizes, largest_size
+from roverlink.generator.node_parameters import largest_accepted
 from roverlink.generator.protos.schema import ProtoMessage, Schema
 from roverlink.generator.table import PeerSettings, Row
 from roverlink.transport_addresses import largest_datagram
@@ -134,7 +136,8 @@ class EnvelopeTooLargeForTransport(LintRule, id="FIX105"):
     """An envelope can become larger than the transport to its peer or board carries.
 
     A datagram has at most 65,507 bytes over UDP and TCP, 4096 over a serial line, and 4095 over CAN. The bridge drops
-    and counts a larger one.
+    and counts a larger one. It also drops what comes from a peer and has more than 1472 bytes. This is a warning,
+    because the parameter `max_datagram` can raise this limit.
 
     Bad::
 
@@ -146,7 +149,7 @@ class EnvelopeTooLargeForTransport(LintRule, id="FIX105"):
     Good::
 
         # note.options
-        Note.text max_length:4000
+        Note.text max_length:1400
     """
 
     @classmethod
@@ -160,13 +163,20 @@ class EnvelopeTooLargeForTransport(LintRule, id="FIX105"):
             for peer in (peers[name] for name in (row.peer, *row.forward) if name in peers):
                 for settings, end in peer.ends:
                     is_of_row = peer.name != row.peer or not peer.boards or end.name == board
-                    largest = min(map(largest_datagram, settings.hosts or ("",)))
-                    if is_of_row and size > largest:
-                        message = f"envelopes with {row.name!r} have up to {size} bytes"
-                        message = f"{message}; the transport to {end.name!r} carries at most {largest}"
-                        help = "lower a limit in the .options file, or split the message"
+                    carried = min(map(largest_datagram, settings.hosts or ("",)))
+                    accepted = largest_accepted() if row.inbound and peer.name == row.peer else carried
+                    if not is_of_row or size <= min(carried, accepted):
+                        continue
+                    message = f"envelopes with {row.name!r} have up to {size} bytes"
+                    help, also = "lower a limit in the .options file, or split the message", []
+                    if carried <= accepted:
+                        message = f"{message}; the transport to {end.name!r} carries at most {carried}"
                         also = [(settings.at("host"), "the transport is named here")] if settings.hosts else []
-                        yield cls.of_row(context.table, row, "proto", message, help, also)
+                    else:
+                        message = f"{message}; the bridge accepts at most {accepted} from {end.name!r}"
+                        help = f"{help}, or start the bridge with a larger parameter `max_datagram`"
+                    found = cls.of_row(context.table, row, "proto", message, help, also)
+                    yield found if size > carried else dataclasses.replace(found, severity=Severity.WARNING)
 
 
 _LAST_SHORT = 15

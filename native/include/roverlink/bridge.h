@@ -129,7 +129,7 @@ typedef struct rl_middleware {
   int32_t (*count_subscriptions)(const void *publisher, size_t *count);
 } rl_middleware;
 
-/* Limit of the rate of a row: Pacer in runtime/bridge/pacing.py, which passes on the message that waits. Used under the
+/* Limit of the rate of a row: Pacer in runtime/bridge/limited_row.py, which passes on the message that waits. Used under the
  * lock, which Python also holds while it passes a message on. */
 typedef struct rl_pacer {
   double interval, slot; /* seconds; the slot is the time at which the next message may pass */

@@ -79,6 +79,11 @@ def add(commands: Subparsers) -> None:
         "the bridge did (default: %(default)s)",
     )
     add_destination(parser, "with --as board: address of the bridge")
+    parser.add_argument(
+        "--peer",
+        metavar="NAME",
+        help="with --as board: send only what this peer has sent, such as the one at the end of a line (default: all)",
+    )
     topic = parser.add_argument(
         "--topic",
         action="append",
@@ -130,8 +135,8 @@ def run(arguments: argparse.Namespace) -> int:
     with ExitStack() as stack:
         ticks: list[Tick] = []
         if arguments.role == "board":
-            replay: BoardReplay | RosReplay = BoardReplay(recording, registry)
-            send = _to_bridge(stack.enter_context(way_to(arguments.to, print_undelivered)), stack)
+            replay: BoardReplay | RosReplay = BoardReplay(recording, registry, arguments.peer)
+            send = _to_bridge(stack.enter_context(way_to(arguments.to, print_undelivered)).address, stack)
         else:
             wanted = {topic if topic.startswith("/") else f"/{topic}" for topic in arguments.topic}
             replay = ros = RosReplay(recording, registry, wanted, arguments.commands)

@@ -7,6 +7,8 @@ sent yet, and a connection whose data is not confirmed for two seconds is aborte
 from __future__ import annotations
 
 import contextlib
+import errno
+import os
 import select
 import socket
 import struct
@@ -45,6 +47,9 @@ class TcpTransport:
                 sock = socket.create_connection((self._host, self._port), _CONNECT_S)
             except UnicodeError as error:
                 raise OSError(str(error)) from error
+            if sock.getsockname() == sock.getpeername():  # a port of this computer on which nobody listens was its own
+                sock.close()
+                raise ConnectionRefusedError(errno.ECONNREFUSED, os.strerror(errno.ECONNREFUSED))
             return TcpConnection(sock, self.largest)
         if self._listener is None:
             family = socket.AF_INET6 if ":" in self._host else socket.AF_INET
