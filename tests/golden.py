@@ -48,7 +48,7 @@ PROBE_PROTO = 'syntax = "proto3";\n\nmessage Probe {\n  float depth_m = 1;\n}\n'
 _FOLDER = ROOT / "tests" / "generator" / "cases"
 CASES = case_files(_FOLDER)
 DIGESTS = _FOLDER / "digests.txt"
-_LEFT_OUT = re.compile(r"^(?: *\d* \|.*|\d+ (?:error|warning).*|)\n", re.MULTILINE)
+_LEFT_OUT = re.compile(r"^(?: *\d* \|.*|\d+ (?:error|warning|hint).*|)\n", re.MULTILINE)
 """What the section `found` leaves out: a quoted source line, the summary, a blank line."""
 _DIAGNOSTIC = re.compile(r"^(\S.*\n(?:  (?!help: ).*\n)*)(?:  help: (.*\n))?", re.MULTILINE)
 

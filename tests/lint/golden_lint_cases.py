@@ -5,7 +5,7 @@ Keys of a case:
 
 - `why` is the sentence that the case proves.
 - `now` has the files of the project, `before` those of an earlier state, for `--against before`.
-- `finds` has the findings that are printed, without the lines of the files; without it, no problems are found.
+- `finds` has the findings that are printed, as `golden.in_brief` shortens them; without it, no problems are found.
 - `prints` has everything that is printed, in the few cases that show the layout.
 
 The files of a state are texts by path, as `folded` describes them; a path without a dot is that of a .proto file in the
@@ -30,6 +30,7 @@ from typing import Any
 
 import yaml
 from folded import unfold
+from golden import in_brief
 
 _CASES = Path(__file__).parent / "cases"
 _LEDGERS = Path(__file__).parents[1] / "shared" / "ledgers"
@@ -42,8 +43,6 @@ _BASE = {
 }
 _ROWS = "messages:\n  - {number: 1, name: imu, proto: Imu, topic: imu, direction: board_to_ros}"
 _FIELDS = {"Drive": "float speed = 1;", "Note": "string text = 1;"}
-_EXCERPT = re.compile(r"^(?: *\d+)? *\|.*\n", re.MULTILINE)
-_SUMMARY = re.compile(r"\n\n(?:\d+ \w+(?:, )?)+\n\Z")
 
 State = dict[str, Any]
 
@@ -79,7 +78,7 @@ class LintCase:
         if "prints" in self.entry:
             return printed, self.entry["prints"]
         if "finds" in self.entry:
-            return _SUMMARY.sub("\n", _EXCERPT.sub("", printed)).replace("\n\n", "\n"), self.entry["finds"]
+            return in_brief(printed), self.entry["finds"]
         return printed, "No problems found.\n"
 
     def update(self, printed: str) -> None:
