@@ -1,4 +1,4 @@
-"""Section `lines`: a serial line and TCP beside UDP, from a board's bytes to the topic, and what a datagram costs."""
+"""Section `lines`: a serial line, TCP and CAN beside UDP, from a board to the topic, and what a datagram costs."""
 
 import contextlib
 import dataclasses
@@ -12,6 +12,7 @@ import tty
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass
+from importlib.util import find_spec
 from typing import Any
 
 from bench.errors import BenchError
@@ -21,6 +22,7 @@ from bench.rig import free_port
 from generated.registry import REGISTRY
 from roverlink.runtime import Bridge
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime.net.transports import transport_at
 from roverlink.runtime.net.transports.framing import delimited, encode_frame
 from roverlink.runtime.ros_arguments import parameters
 
@@ -57,6 +59,7 @@ def measure(lab: Lab) -> SectionResult:
         ("serial (pseudo-terminal)", _serial, None),
         ("serial at 1 Mbaud", _serial, _MBAUD),
     ]
+    lines += [("CAN (in memory), with the board", _can, None)] if find_spec("isotp") else []
     for name, line, limit in lines:
         costs.append(_cost(name, line, limit, lab.seconds))
         lab.say(f"{name}: {costs[-1].per_second:,.0f}/s, {costs[-1].cpu_us:.1f} us of CPU each")
@@ -64,7 +67,10 @@ def measure(lab: Lab) -> SectionResult:
         (one.line, f"{one.per_second:,.0f}", f"{one.cpu_us:.1f}", f"{one.per_second * one.cpu_us / 1e4:.0f} %")
         for one in costs
     ]
-    notes = [f"A sample of the IMU ({len(_SAMPLE)} bytes) on its topic, without ROS 2 and without the native core."]
+    notes = [
+        f"A sample of the IMU ({len(_SAMPLE)} bytes) on its topic, without ROS 2 and without the native core.",
+        "CAN is ISO-TP of can-isotp on a bus of python-can in memory. The CPU is that of both ends.",
+    ]
     table = Table("Lines of boards", ("line", "datagrams/s", "CPU us each", "of a core"), [Group("", rows)], notes)
     return SectionResult([table], data={"costs": [*map(asdict, costs)]})
 
@@ -96,6 +102,12 @@ def _serial() -> Iterator[tuple[str, Callable[[int], Write]]]:
     yield f"serial:{os.ttyname(device)}?baud=1000000", lambda _: lambda: os.write(board, frame)
     os.close(board)
     os.close(device)
+
+
+@contextlib.contextmanager
+def _can() -> Iterator[tuple[str, Callable[[int], Write]]]:
+    with contextlib.closing(transport_at("can:bench?bus=virtual&send=0x102&receive=0x101").connect()) as board:
+        yield "can:bench?bus=virtual&send=0x101&receive=0x102", lambda _: lambda: board.send(_SAMPLE)
 
 
 def _cost(name: str, line: Line, limit: int | None, seconds: float) -> Cost:

@@ -18,7 +18,7 @@ from roverlink.generator.resolve.conversion_rules import (
     UnknownField,
     UnmappedField,
 )
-from roverlink.generator.resolve.row_overrides import Shape
+from roverlink.generator.resolve.message_shapes import Shape
 from roverlink.generator.resolve.types import FieldTypes, MessageMaker
 from roverlink.suggestions import nearest
 

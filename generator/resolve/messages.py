@@ -19,9 +19,9 @@ from roverlink.generator.resolve.conversion_rules import (
 )
 from roverlink.generator.resolve.field_overrides import FieldSettings
 from roverlink.generator.resolve.fields import MessageBuilder
+from roverlink.generator.resolve.message_shapes import Shape, shapes_of
 from roverlink.generator.resolve.numeric_ranges import smallest_integer
 from roverlink.generator.resolve.oneofs import NONE
-from roverlink.generator.resolve.row_overrides import Shape, shapes_of
 from roverlink.generator.table import EnumSettings, Row, Table
 from roverlink.suggestions import nearest
 

@@ -1,4 +1,4 @@
-"""Rules about numbers that are free again, although they had a meaning: they have to stay reserved."""
+"""Rules about numbers that had a meaning and are not reserved: something else could take them."""
 
 from __future__ import annotations
 
