@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import gc
+import importlib.metadata
 import os
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from default_signals import restore_default_signals
@@ -25,6 +29,22 @@ with contextlib.suppress(ImportError):  # the environments of tests/ros2 have no
     # A loaded machine says nothing about the code: no property has a deadline.
     settings.register_profile("roverlink", deadline=None, suppress_health_check=[HealthCheck.too_slow])
     settings.load_profile("roverlink")
+
+
+_entry_points = importlib.metadata.entry_points
+
+
+@functools.cache
+def _entry_points_on(_path: tuple[str, ...], **selected: str) -> Any:
+    return _entry_points(**selected)
+
+
+def _known_entry_points(**selected: str) -> Any:
+    """Look for entry points once on each path: most commands do so, which reads a file of every installed package."""
+    return _entry_points_on(tuple(sys.path), **selected)
+
+
+importlib.metadata.entry_points = _known_entry_points  # type: ignore[assignment]  # before any of our modules imports it
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -129,6 +129,7 @@ def test_shells_complete_what_was_begun(
     assert {re.split(r"[:\t]", word)[0].strip() for word in words} - {""} == expected
 
 
+@pytest.mark.slow
 def test_bash_completes_after_the_line_of_the_readme(tmp_path: Path, environment: dict[str, str]) -> None:
     """In a real shell, the registration makes the tab key complete a command."""
     script = """
@@ -175,7 +176,7 @@ node.close()
         pytest.param(
             _BRIDGE,
             ("roverlink.generator.table", "http", "asyncio", "cyclonedds.idl._xt", "cyclonedds.idl._typesupport.DDS.X"),
-            marks=needs_dds,
+            marks=[needs_dds, pytest.mark.slow],
         ),
     ],
 )
@@ -212,6 +213,7 @@ from roverlink.__main__ import main
 """Start of a script in which the packages of the first argument cannot be imported."""
 
 
+@pytest.mark.slow
 def test_help_needs_no_other_package(environment: dict[str, str]) -> None:
     """With protobuf and PyYAML alone, every command of roverlink explains itself."""
     script = f"""{_HIDING}

@@ -51,6 +51,7 @@ def test_all_commands_show_the_line(project: Path, command: list[str], capsys: p
     assert _SHOWN in said.out + said.err
 
 
+@pytest.mark.slow
 def test_known_hints_hide_no_error(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """`generate` shows the error, and of what the table lowers to a hint only the number and the rules."""
     row = "  - {number: 2, name: old, proto: Imu, topic: imu, direction: board_to_ros}\n"

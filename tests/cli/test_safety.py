@@ -16,7 +16,7 @@ from running import Bridge
 
 from generated.registry import REGISTRY
 
-pytestmark = needs_dds
+pytestmark = [needs_dds, pytest.mark.slow]
 
 _COMMAND = 1.5
 _AFTER_S = 0.5  # as mapping.yaml says
@@ -32,11 +32,8 @@ def _heard(board: socket.socket) -> Iterator[tuple[float, float]]:
 
 @pytest.mark.parametrize(
     "number",
-    [
-        pytest.param(signal.SIGKILL, id="killed"),
-        pytest.param(signal.SIGSTOP, id="paused", marks=pytest.mark.slow),
-        pytest.param(signal.SIGTERM, id="leaves", marks=pytest.mark.slow),
-    ],
+    [signal.SIGKILL, signal.SIGSTOP, signal.SIGTERM],
+    ids=["killed", "paused", "leaves"],
 )
 def test_a_rover_whose_commander_is_gone_stops(
     start: Start, bridge: Bridge, peer: socket.socket, number: signal.Signals

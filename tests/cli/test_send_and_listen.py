@@ -121,6 +121,7 @@ def test_what_is_sent_is_heard_until_an_interrupt(start: Start, capsys: pytest.C
     assert payloads == [{"distance_to_go": 1.5, "turning_radius": 0.0}] * 2
 
 
+@pytest.mark.slow
 def test_the_commands_speak_over_a_line(start: Start, tmp_path: Path, called: Called) -> None:
     """A line at both ends: what `send` and a simulated peer send over it is heard by `listen`."""
     with socket.create_server(("127.0.0.1", 0)) as free:

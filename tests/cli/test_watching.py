@@ -94,6 +94,7 @@ def _crossed(families: dict[str, Any]) -> dict[str, float]:
     return {sample.labels["row"]: sample.value for sample in families["roverlink_crossed"].samples}
 
 
+@pytest.mark.slow
 def test_a_running_bridge_tells_what_it_does(bridge: Bridge) -> None:
     """Metrics count what crosses, a client of Foxglove gets every topic with its schema; every log line is JSON."""
     pytest.importorskip("foxglove", reason=NO_FOXGLOVE)

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 
+import pytest
 from page import ROOT
 
 if sys.version_info >= (3, 11):
@@ -26,6 +27,7 @@ def _requirements() -> set[str]:
     return {one.partition(";")[0].strip() for one in found}
 
 
+@pytest.mark.slow
 def test_every_hint_names_a_package_that_is_required_or_a_place() -> None:
     """Behind `pip install` stands a path, an address or a requirement of pyproject.toml, and never roverlink's name."""
     known = {one for one in _requirements() if not one.startswith(("roverlink", "roverkit"))}

@@ -158,6 +158,7 @@ def test_the_state_has_the_commit_that_it_pins(rover: Path, found: Found, run: R
     assert [one["id"] for one in found("--history", "later", "--against", "main~1")[1]] == ["WIR102"]
 
 
+@pytest.mark.slow
 def test_a_state_whose_submodule_is_not_here_is_one_line(rover: Path, found: Found, run: Run) -> None:
     """The line names the submodule and its commit; a state from before the project is nothing to compare with."""
     pinned = "1" * 40
@@ -269,6 +270,7 @@ def test_a_state_of_which_nothing_compiles(
     )
 
 
+@pytest.mark.slow
 def test_binary_and_enormous_files(tree: Path, found: Found) -> None:
     """A file that nobody wrote is named with exit code 2, and not read to its end."""
     (tree / "binary.proto").write_bytes(b"\x00\x01\x02" * 1000)

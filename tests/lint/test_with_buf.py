@@ -252,6 +252,7 @@ def test_what_does_not_compile_is_not_deleted(by_rule: Found, tmp_path: Path, si
     assert {"PRO101"} <= set(found) <= {"PRO101", "STA102"}
 
 
+@pytest.mark.slow
 @needs_buf
 @pytest.mark.parametrize(
     ("row", "behind", "left"),

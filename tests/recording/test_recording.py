@@ -71,6 +71,7 @@ def test_every_message_is_read_back_by_the_mcap_package(tmp_path: Path, compress
     assert _read(path) == handed
 
 
+@pytest.mark.slow
 def test_every_message_is_read_back_by_rosbags(tmp_path: Path) -> None:
     """Rosbags opens the file of topics as it opens rosbag2's, and reads the messages of the payloads."""
     from rosbags.highlevel import AnyReader  # here, not where tests are collected: it brings a whole YAML library

@@ -301,6 +301,7 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
     return counted, dict(bridge.account.dropped_of_row), ends_of, sent
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "case",
     [
