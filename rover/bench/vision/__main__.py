@@ -29,7 +29,7 @@ PLAIN_WIDTH = 130  # columns, if the output is not a terminal
 RECEIVING_S, QUICK_RECEIVING_S = 10.0, 3.0
 SECTIONS = (
     *("accuracy", "consistency", "nothing", "finding", "speed", "calibration", "lenses"),
-    *("receiving", "rocks", "objects"),
+    *("photographs", "receiving", "rocks", "objects"),
 )
 
 
@@ -80,6 +80,7 @@ def _run(options: argparse.Namespace) -> None:
             lenses,
             nothing,
             objects,
+            photographs,
             receiving,
             rocks,
             speed,
@@ -106,6 +107,8 @@ def _run(options: argparse.Namespace) -> None:
         results["calibration"] = calibration.measure(runs, progress.print)
     if "lenses" in options.only:
         results["lenses"] = lenses.measure(QUICK_LENSES if options.quick else LENSES, progress.print)
+    if "photographs" in options.only:
+        results["photographs"] = photographs.measure(progress.print)
     if "receiving" in options.only:
         seconds = QUICK_RECEIVING_S if options.quick else RECEIVING_S
         results["receiving"] = receiving.measure(seconds, options.out, progress.print)

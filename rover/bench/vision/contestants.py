@@ -57,11 +57,11 @@ def camera_of(lens: Lens) -> CameraParameters:
     return CameraParameters(lens.matrix, np.array(lens.distortion), lens.size)
 
 
-def plain_detector(refinement: int = cv2.aruco.CORNER_REFINE_NONE) -> Any:
+def plain_detector(refinement: int = cv2.aruco.CORNER_REFINE_NONE, dictionary: int = DICTIONARY) -> Any:
     """Return OpenCV's detector with its defaults."""
     parameters = cv2.aruco.DetectorParameters()
     parameters.cornerRefinementMethod = refinement
-    return cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARY), parameters)
+    return cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(dictionary), parameters)
 
 
 class Ours:

@@ -36,7 +36,7 @@ def measure(frames: int, say: Callable[[str], None]) -> SectionResult:
     say(f"rendering {frames} frames of a drive")
     film = list(drive(frames + _WARM_UP, SEED, SIZE))
     camera, markers = camera_of(lens(*SIZE)), MarkerSet(side=SIDE)
-    tracking, scanning = Tracker(camera, markers), Tracker(camera, markers, scan_every=1, thorough_every=1)
+    tracking, scanning = Tracker(camera, markers), Tracker(camera, markers, scan_s=0, thorough_s=0)
     plain = plain_detector()
     looks: dict[str, tuple[Callable[[DriveFrame], int], str]] = {
         f"{OURS}, tracking": (lambda shot: len(tracking.track(shot.frame, shot.stamp)), "12"),

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 from roverkit.aruco.tracker_declaration import (
     CAMERA_INFO,
@@ -19,9 +18,9 @@ from roverkit.aruco.tracker_declaration import (
     MARKER_POSE,
     TRANSFORMS,
 )
-from roverkit.vision.camera.camera_model import CameraParameters
 from roverkit.vision.images.drawing import draw
 from roverkit.vision.localization.field_tracker import LandmarkResult
+from roverkit.vision.markers.detection import Image
 from roverkit.vision.ros import landmark_messages
 from roverkit.vision.ros.image_messages import compressed_of
 from roverkit.vision.ros.landmark_messages import FrameNames
@@ -35,7 +34,6 @@ class LandmarkPublisher:
     def __init__(
         self,
         middleware: Middleware,
-        camera: CameraParameters,
         marker_frame: str,
         topic: Callable[[str], str],
         say: Callable[[str], None] = lambda _: None,
@@ -45,7 +43,7 @@ class LandmarkPublisher:
         `marker_frame` is the start of the name of a landmark's coordinate frame, as in `FrameNames`.
         `say` is called with a message if a topic cannot be published, for instance if rclpy lacks the message type.
         """
-        self._camera, self._marker_frame = camera, marker_frame
+        self._marker_frame = marker_frame
         self._outputs = outputs = Outputs(middleware, topic, say)
         self._transforms = outputs.open(TRANSFORMS)
         self._detections = outputs.open(DETECTIONS)
@@ -64,15 +62,17 @@ class LandmarkPublisher:
         for detection in unique:
             self._pose_of(names.of(detection.id)).put(partial(landmark_messages.marker_pose_of, detection, names))
         self._detections.put(lambda: landmark_messages.detections_of(detections, stamp, names))
-        self._camera_info.put(lambda: landmark_messages.camera_info_of(self._camera, result.frame.size, stamp, names))
-        self._image.put(lambda: compressed_of(self._drawn(result), stamp, names.camera))
+        size = result.frame.size
+        self._camera_info.put(lambda: landmark_messages.camera_info_of(result.parameters, size, stamp, names))
+        self._image.put(lambda: compressed_of(_drawn(result), stamp, names.camera))
         if (pose := result.camera_pose) and pose.agreed:
             self._camera_pose.put(lambda: landmark_messages.field_pose_of(pose, stamp))
-
-    def _drawn(self, result: LandmarkResult) -> Any:
-        return draw(result.frame.image, self._camera, result.detections, result.camera_pose)
 
     def _pose_of(self, name: str) -> Output:
         if name not in self._poses:
             self._poses[name] = self._outputs.open(MARKER_POSE.named(name))
         return self._poses[name]
+
+
+def _drawn(result: LandmarkResult) -> Image:
+    return draw(result.frame.image, result.parameters, result.detections, result.camera_pose)

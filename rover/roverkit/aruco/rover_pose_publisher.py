@@ -9,7 +9,7 @@ from roverkit.aruco.tracker_declaration import ROVER_POSE, TRANSFORMS
 from roverkit.vision.localization.rover_localizer import RoverPose
 from roverkit.vision.poses.transform_tree import TransformError, TransformTree
 from roverkit.vision.ros.landmark_messages import field_pose_of, transform_of
-from roverlink.runtime.core import cdr
+from roverkit.vision.ros.outputs import Outputs
 from roverlink.runtime.interfaces import tf2_msgs
 from roverlink.runtime.middleware import Middleware
 
@@ -36,17 +36,18 @@ class RoverPosePublisher:
     ) -> None:
         """Create the publishers; `topic` returns the fully qualified name of a topic.
 
-        `tree` has the transforms of the odometry. `say` is called with a message if they are missing.
+        `tree` has the transforms of the odometry. `say` is called with a message if they are missing, or if ROS 2 lacks
+        the type of a topic.
         """
         self._frames, self._tree, self._say = frames, tree, say
         self._said = ""
-        self._pose = ROVER_POSE.publisher(middleware, topic)
-        self._transforms = TRANSFORMS.publisher(middleware, topic) if frames.odom else None
+        outputs = Outputs(middleware, topic, say)
+        self._pose = outputs.open(ROVER_POSE)
+        self._transforms = outputs.open(TRANSFORMS) if frames.odom else None
 
     def publish(self, rover: RoverPose) -> None:
         """Publish the pose, and the transform to the odometry's frame if it is wanted and known."""
-        if self._pose.has_subscribers():
-            self._pose.publish([cdr.encode(field_pose_of(rover.field_pose, rover.stamp))])
+        self._pose.put(lambda: field_pose_of(rover.field_pose, rover.stamp))
         if self._transforms is None:
             return
         try:
@@ -63,4 +64,4 @@ class RoverPosePublisher:
         self._said = ""
         found = rover.field_pose
         transform = transform_of(found.pose @ odom_to_base, found.frame, self._frames.odom, rover.stamp)
-        self._transforms.publish([cdr.encode(tf2_msgs.TFMessage([transform]))])
+        self._transforms.publish(tf2_msgs.TFMessage([transform]))

@@ -13,9 +13,9 @@ from collections.abc import Callable, Sequence
 
 from roverkit.aruco.tracker_declaration import FUSED_POSITION, POSITION
 from roverkit.vision.camera.camera_model import Floats
+from roverkit.vision.ros.outputs import Outputs
 from roverlink.runtime import Registry
-from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.errors import MiddlewareError, SetupError
 from roverlink.runtime.middleware import Middleware
 
 FUSED_S = 1.0
@@ -26,13 +26,14 @@ def position_publisher(
     middleware: Middleware,
     registry: Registry,
     topic: Callable[[str], str],
-    warn: Callable[[str], object] = lambda _: None,
+    warn: Callable[[str], None] = lambda _: None,
 ) -> Callable[[Floats], None]:
     """Return a function that publishes the rover's position (3,), in metres, as the message of the row `POSITION`.
 
-    `topic` returns the fully qualified name of a topic. If the table (mapping.yaml) has no such row, or if its message
-    has no field for a coordinate, ``warn`` is called with a message, and the returned function does nothing. This is
-    no error, because tracking is useful without a peer too.
+    `topic` returns the fully qualified name of a topic. If the table (mapping.yaml) has no such row, if its message has
+    no field for a coordinate, or if ROS 2 lacks the message because the generated package is not built, ``warn`` is
+    called with a message, and the returned function does nothing. This is no error, because tracking is useful without
+    a peer too.
 
     The function publishes nothing for `FUSED_S` after each message on an extra topic of the row.
     """
@@ -41,7 +42,7 @@ def position_publisher(
     except SetupError as error:
         warn(f"the rover's position is not sent: {error}")
         return lambda _: None
-    message_type, publish = row.message_type, row.publisher(middleware, topic).publish
+    message_type, output = row.message_type, Outputs(middleware, topic, warn).open(row)
     fused_at = -math.inf
 
     def fused(_: Sequence[bytes]) -> None:
@@ -49,10 +50,13 @@ def position_publisher(
         fused_at = time.monotonic()
 
     for extra in FUSED_POSITION.of(registry):
-        extra.subscribe(middleware, topic, fused)
+        try:
+            extra.subscribe(middleware, topic, fused)
+        except MiddlewareError as error:
+            warn(f"the rover's position is not held back for {topic(extra.name)}: {error}")
 
     def publish_position(position: Floats) -> None:
         if time.monotonic() - fused_at > FUSED_S:
-            publish([cdr.encode(message_type(**dict(zip(POSITION.fields, position.tolist()))))])
+            output.publish(message_type(**dict(zip(POSITION.fields, position.tolist()))))
 
     return publish_position

@@ -8,6 +8,7 @@ import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import cast
 
@@ -27,6 +28,7 @@ from roverkit.vision.camera.parameters_file import read_parameters
 from roverkit.vision.frames import Frame, FrameSource, TopicSource, play
 from roverkit.vision.frames.interleaving import in_order, newest
 from roverkit.vision.frames.open_source import TOPIC
+from roverkit.vision.frames.topic_source import CameraInfos
 from roverlink.runtime.core.errors import SetupError
 
 _IN_THE_FILE = {"parameters": "parameters", "camera_info": "camera_info", "camera_frame": "frame"} | {
@@ -35,13 +37,15 @@ _IN_THE_FILE = {"parameters": "parameters", "camera_info": "camera_info", "camer
 """Options for one camera, each with the key that replaces it in a file of cameras."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class TrackedCamera:
     """Camera that is open, with its parameters for the size of its images."""
 
     entry: CameraEntry
     source: FrameSource
     parameters: CameraParameters
+    changed: Callable[[], CameraParameters | None] = lambda: None
+    """Function that returns other parameters if the camera has them now."""
 
     @property
     def name(self) -> str:
@@ -88,7 +92,7 @@ class CameraOpener:
     def open(self, entry: CameraEntry) -> TrackedCamera:
         """Open a camera, and read its parameters. Raises `SetupError` if that fails, or if they do not fit."""
         warn = self._logger.warning
-        camera = self._of_file(entry)
+        camera, infos = self._of_file(entry), None
         size = camera.size if camera else None
         source = self._stack.enter_context(open_source(entry.source, entry.settings, self._ros, size, warn))
         size = next(iter(source)).size
@@ -101,10 +105,25 @@ class CameraOpener:
             )
             other = f"'parameters' of {entry.name}" if entry.name else "--camera-info TOPIC or --parameters FILE"
             self._logger.info("camera parameters: from %s; %s overrides this", origin, other)
-            camera = images.read_camera(origin)
+            infos = self._stack.enter_context(images.camera_infos(origin))
+            camera = infos.first()
         # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
         camera = for_images(camera, size, origin, rescale=self._arguments.rescale, warn=warn)
-        return TrackedCamera(entry, source, camera)
+        return TrackedCamera(entry, source, camera, partial(self._changed, infos, size, origin) if infos else lambda: None)
+
+    def _changed(self, infos: CameraInfos, size: tuple[int, int], origin: str) -> CameraParameters | None:
+        """Return the newest parameters of a topic, if they are others and fit the images; log the change in any case."""
+        warn = self._logger.warning
+        try:
+            camera = infos.changed()
+            if camera is None:
+                return None
+            camera = for_images(camera, size, origin, rescale=self._arguments.rescale, warn=warn)
+        except SetupError as error:
+            warn("the parameters of the camera have changed, and cannot be used; keeping the earlier ones: %s", error)
+            return None
+        warn("%s: the parameters of the camera have changed; poses use the new ones from now on", origin)
+        return camera
 
     @staticmethod
     def _of_file(entry: CameraEntry) -> CameraParameters | None:

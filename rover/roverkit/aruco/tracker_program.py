@@ -59,7 +59,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
 
         def tracker(camera: TrackedCamera) -> Tracker:
             uncertainty = _uncertainty(arguments, camera.entry.readout_time)
-            return Tracker(camera.parameters, targets.markers, scan_every=arguments.scan_every, uncertainty=uncertainty)
+            return Tracker(camera.parameters, targets.markers, scan_s=arguments.scan_period, uncertainty=uncertainty)
 
         hears_ros = arguments.middleware or any(entry.source.startswith(TOPIC) for entry in entries)
         ros_of_mounts = connection if hears_ros else None
@@ -75,8 +75,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             stack.enter_context(publish_log(logger, connection.middleware, ros))
             outputs += [_publisher(camera, connection, arguments, logger) for camera in cameras]
             outputs.append(_rover_publisher(connection, arguments, logger, now=located))
-        parameters = {camera.name: camera.parameters for camera in cameras}
-        log = stack.enter_context(TrackingLog(logger, targets.markers, parameters, wanted.assumed_side))
+        log = stack.enter_context(TrackingLog(logger, targets.markers, wanted.assumed_side))
         frames = frames_of(cameras, arguments, connection)
         for camera, frame in log.timed(with_progress(frames, [camera.source for camera in cameras], arguments)):
             if wanted.targets is not targets:
@@ -85,6 +84,9 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
                     mounted[tracked.name].tracker = tracker(tracked)
                 field_tracker.use(targets.landmarks)
                 log.look_for(targets.markers, wanted.assumed_side)
+            if parameters := camera.changed():
+                camera.parameters = parameters
+                mounted[camera.name].tracker.use(parameters)
             result = field_tracker.track(mounted[camera.name], frame)
             log.add(result)
             if arguments.json:
@@ -138,7 +140,7 @@ def _files(camera: TrackedCamera, arguments: argparse.Namespace, stack: ExitStac
         path: Path = arguments.save
         own = path.with_stem(f"{path.stem}_{camera.name}") if camera.name else path
         film = stack.enter_context(Film(own, camera.source.rate, camera.entry.source))
-        yield _of(camera, lambda result: film.add(_drawn(result, camera), result.frame.stamp))
+        yield _of(camera, lambda result: film.add(_drawn(result), result.frame.stamp))
 
 
 def _publisher(
@@ -151,7 +153,7 @@ def _publisher(
 
     # A frame has one parent on /tf, so a marker that two cameras see needs two frames.
     prefix = f"{camera.name}_{arguments.marker_frame}" if camera.name else arguments.marker_frame
-    return _of(camera, LandmarkPublisher(ros.middleware, camera.parameters, prefix, topic, logger.warning).publish)
+    return _of(camera, LandmarkPublisher(ros.middleware, prefix, topic, logger.warning).publish)
 
 
 def _rover_publisher(ros: RosConnection, arguments: argparse.Namespace, logger: logging.Logger, *, now: bool) -> Output:
@@ -183,9 +185,9 @@ def _rover_publisher(ros: RosConnection, arguments: argparse.Namespace, logger: 
     return publish
 
 
-def _drawn(result: LandmarkResult, camera: TrackedCamera) -> Image:
+def _drawn(result: LandmarkResult) -> Image:
     """Return the image of a film: a frame with its landmarks, its stamp in seconds, and its coordinate frame."""
     frame = result.frame
     stamp = f"{frame.stamp // 10**9}.{frame.stamp % 10**9:09d}"
-    drawn = draw(frame.image, camera.parameters, result.detections, result.camera_pose)
+    drawn = draw(frame.image, result.parameters, result.detections, result.camera_pose)
     return write_above(drawn, f"{stamp} {frame.frame_id}")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import logging
 import statistics
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import TypeVar
 
 import numpy as np
 
-from roverkit.vision import CameraParameters, MarkerSet
+from roverkit.vision import MarkerSet
 from roverkit.vision.localization.field_tracker import LandmarkResult
 from roverkit.vision.localization.pose_from_landmarks import FieldPose
 from roverkit.vision.markers.dictionaries import other_dictionary
@@ -37,11 +37,10 @@ class TrackingLog:
         self,
         logger: logging.Logger,
         markers: MarkerSet,
-        cameras: Mapping[str, CameraParameters],
         assumed_side: float | None = None,
     ) -> None:
         """Log with a logger; `assumed_side` is the side in metres of markers if the user has given none."""
-        self._logger, self._markers, self._cameras, self._assumed_side = logger, markers, cameras, assumed_side
+        self._logger, self._markers, self._assumed_side = logger, markers, assumed_side
         self._frames = self._with_landmarks = 0
         self._seen: set[tuple[str, TargetId]] = set()
         self._rejected: tuple[TargetId, ...] = ()
@@ -123,7 +122,7 @@ class TrackingLog:
 
     def _hint(self, result: LandmarkResult) -> None:
         """Log the dictionary of the markers in an image in which no marker of the chosen dictionary was found."""
-        if found := other_dictionary(result.frame.image, self._cameras[result.camera], self._markers):
+        if found := other_dictionary(result.frame.image, result.parameters, self._markers):
             dictionary, numbers = found
             self._hinted = True
             self._logger.warning(

@@ -1,9 +1,9 @@
-"""Bundle adjustment: fits the camera's parameters, the bend of the board, and its pose in each view to the corners.
+"""Bundle adjustment: fits the camera's parameters, the shape of the board, and its pose in each view to the corners.
 
-A view is the set of board corners found in one image. Each view has its own pose of the board; the camera and the bend
-are shared by all views. The poses are eliminated by the Schur complement before the shared parameters are solved for
+A view is the set of board corners found in one image. Each view has its own pose of the board; the camera and the
+shape are shared by all views. The poses are eliminated by the Schur complement before the shared parameters are solved for
 (Triggs et al., "Bundle adjustment - a modern synthesis", 2000). In the shapes of arrays, P is the number of shared
-parameters (fx fy cx cy, the distortion coefficients, then the bend), and N the number of corners.
+parameters (fx fy cx cy, the distortion coefficients, then the shape), and N the number of corners.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from roverkit.calibration.board_bend import SHAPES
+from roverkit.calibration.board_shape import NUMBERS
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.camera.parameter_derivatives import by_parameters
 from roverkit.vision.poses.pose import Pose, predict
@@ -24,12 +24,11 @@ from roverkit.vision.poses.pose import Pose, predict
 # masks: leaving out a corner, or trusting a blurred view less, would need a new list of points and a new start. It also
 # keeps the derivatives to itself, from which the uncertainty is computed (`solver`).
 #
-# The unknowns are the camera (8 to 12 numbers), the bend (3), and 6 numbers for each view. The normal matrix of 20
-# views would be 135 x 135, but views do not touch each other: each one is eliminated by itself, and only the shared
+# The unknowns are the camera (8 to 12 numbers), the shape (4), and 6 numbers for each view. The normal matrix of 20
+# views would be 136 x 136, but views do not touch each other: each one is eliminated by itself, and only the shared
 # part is left.
 CONVERGED = 1e-10
 _STEPS = 100
-_DOWN = np.array([0.0, 0.0, 1.0])
 _LEAST_DAMPED, _MOST_DAMPED = 1e-9, 1e9  # range of Levenberg and Marquardt's damping factor
 
 
@@ -38,32 +37,32 @@ class Observation:
     """Observed corners of one image."""
 
     points: Floats
-    """Places (N, 3) on the flat board in metres."""
-    shapes: Floats
-    """Heights (N, 3) of the points for each value of a bend of 1 metre, see `board_bend`."""
+    """Places (N, 3) on the board that was meant, in metres."""
+    displacements: Floats
+    """Displacements (N, 3, 4) of the points for each value of a shape of 1, see `board_shape`."""
     pixels: Floats
     """Positions (N, 2) in the image."""
     weights: Floats
     """Weights (N,)."""
 
-    def bent(self, bend: Floats) -> Floats:
-        """Return the places (N, 3) on a board with a bend (3,)."""
-        bent: Floats = self.points + np.outer(self.shapes @ bend, _DOWN)
-        return bent
+    def shaped(self, shape: Floats) -> Floats:
+        """Return the places (N, 3) on a board with a shape (4,)."""
+        shaped: Floats = self.points + self.displacements @ shape
+        return shaped
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """Estimated camera parameters, pose of the board in each image (board to camera), and bend (3,) of the board."""
+    """Estimated camera parameters, pose of the board in each image (board to camera), and shape (4,) of the board."""
 
     camera: CameraParameters
     poses: tuple[Pose, ...]
-    bend: Floats
+    shape: Floats
 
     @property
     def shared(self) -> int:
         """Number of parameters that all views share."""
-        return 4 + self.camera.distortion.size + self.bend.size
+        return 4 + self.camera.distortion.size + self.shape.size
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +83,7 @@ class Linearization:
 def adjust(
     observations: Sequence[Observation], estimate: Estimate, free: NDArray[np.bool_], tolerance: float = CONVERGED
 ) -> Estimate:
-    """Return the camera, the bend and the poses with the smallest sum of squared residuals, starting at `estimate`.
+    """Return the camera, the shape and the poses with the smallest sum of squared residuals, starting at `estimate`.
 
     `free` (P,) marks the shared parameters that may change; all poses may change. The Levenberg-Marquardt algorithm
     finds the nearest minimum. It stops when the sum changes by less than the fraction `tolerance`.
@@ -113,13 +112,13 @@ def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[L
     The derivatives are with respect to the shared parameters and to the board's pose in the view.
     """
     predicted = [
-        predict(pose, observation.bent(estimate.bend)) for observation, pose in zip(observations, estimate.poses)
+        predict(pose, observation.shaped(estimate.shape)) for observation, pose in zip(observations, estimate.poses)
     ]
     rays, by_pose = (np.concatenate(parts) for parts in zip(*predicted))  # one call for all views is faster
-    # A bend moves points along the normal of the board, as a translation of the board would.
-    by_bend = np.concatenate(
+    # A shape moves points on the board, as a translation of the board would.
+    by_shape = np.concatenate(
         [
-            (by_one[:, :, :3] @ pose.rotation[:, 2])[:, :, None] * observation.shapes[:, None]
+            by_one[:, :, :3] @ pose.rotation @ observation.displacements
             for (_, by_one), pose, observation in zip(predicted, estimate.poses, observations)
         ]
     )
@@ -127,7 +126,7 @@ def linearise(observations: Sequence[Observation], estimate: Estimate) -> list[L
     roots = np.sqrt(np.concatenate([observation.weights for observation in observations]))[:, None]
     residuals = roots * (np.concatenate([observation.pixels for observation in observations]) - pixels)
     by_camera = by_parameters(estimate.camera, rays)
-    by_shared = roots[:, :, None] * np.concatenate([by_camera, slope @ by_bend], axis=2)
+    by_shared = roots[:, :, None] * np.concatenate([by_camera, slope @ by_shape], axis=2)
     by_pose = roots[:, :, None] * (slope @ by_pose)
     counted = roots[:, 0] > 0  # corners of weight 0 may be NaN
     ends = np.cumsum([len(observation.weights) for observation in observations])
@@ -192,4 +191,4 @@ def _step(
     poses = tuple(
         pose.moved(solved[:, -1] - solved[:, :-1] @ change[free]) for pose, solved in zip(estimate.poses, eliminated)
     )
-    return Estimate(moved_camera(estimate.camera, change[:-SHAPES]), poses, estimate.bend + change[-SHAPES:])
+    return Estimate(moved_camera(estimate.camera, change[:-NUMBERS]), poses, estimate.shape + change[-NUMBERS:])

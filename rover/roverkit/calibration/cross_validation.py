@@ -12,7 +12,7 @@ import numpy as np
 
 from roverkit.calibration.adjustment import Estimate, adjust
 from roverkit.calibration.board import CalibrationBoard
-from roverkit.calibration.board_bend import bent_points
+from roverkit.calibration.board_shape import shaped_points
 from roverkit.calibration.outliers import Choice
 from roverkit.calibration.robust_fit import fit, observations_of, part_of, posed
 from roverkit.calibration.solution import Model, PoorViewsError
@@ -71,7 +71,7 @@ def _prediction(views: Sequence[View], board: CalibrationBoard, estimate: Estima
         observations = observations_of(views, board, estimate, rest)
         free = np.ones(estimate.shared, dtype=bool)
         trained = adjust(observations, part_of(estimate, rest), free)
-        points = bent_points(board, trained.bend)
+        points = shaped_points(board, trained.shape)
         for view in views[fold::FOLDS]:
             pose = posed(view, board, replace(trained, poses=()))
             lengths.append(np.linalg.norm(residuals(view, points, trained.camera, pose), axis=1))

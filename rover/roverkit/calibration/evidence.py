@@ -8,7 +8,7 @@ import numpy as np
 
 from roverkit.calibration.adjustment import Estimate
 from roverkit.calibration.board import CalibrationBoard
-from roverkit.calibration.board_bend import height
+from roverkit.calibration.board_shape import BEND, STRETCH, height
 from roverkit.calibration.coverage import CELLS, Coverage
 from roverkit.calibration.cross_validation import better_model
 from roverkit.calibration.outliers import Choice
@@ -24,6 +24,8 @@ _MANY_REJECTED = 0.01
 """Share of rejected corners with the same effect."""
 _SIGNIFICANT = 16.3
 """Squared bend in units of its covariance above which it is no chance (chi squared, 3 degrees of freedom, 99.9 %)."""
+_SIGNIFICANT_STRETCH = 10.8
+"""The same for the stretch of the print (1 degree of freedom)."""
 _PLACES = 500
 """Largest number of corners at which the uncertainty is computed."""
 
@@ -47,7 +49,9 @@ def gather(
     rejected = 1 - len(corners) / sum(fitted.used.size for fitted in kept)
     dropped = 1 - len(kept) / len(usable)
     deviations = calibration.uncertainty(corners[:: -(-len(corners) // _PLACES)])
-    chi2 = float(calibration.bend @ np.linalg.solve(calibration.bend_covariance, calibration.bend))
+    bend, stretch = calibration.shape[BEND], float(calibration.shape[STRETCH])
+    chi2 = float(bend @ np.linalg.solve(calibration.shape_covariance[BEND, BEND], bend))
+    stretch_chi2 = stretch**2 / float(calibration.shape_covariance[STRETCH, STRETCH])
     suspicious = calibration.rms > _SUSPICIOUS * noise or rejected > _MANY_REJECTED or dropped > 0
     shutter = find_rolling_shutter(
         observations_of(usable, board, estimate, choice), part_of(estimate, choice), usable[0].size[1]
@@ -57,7 +61,8 @@ def gather(
         rms=calibration.rms,
         noise=noise,
         uncertainty=float(np.sqrt(np.nanmean(deviations**2))),
-        bend=height(board, calibration.bend) if chi2 > _SIGNIFICANT else 0.0,
+        bend=height(board, calibration.shape) if chi2 > _SIGNIFICANT else 0.0,
+        stretch=stretch if stretch_chi2 > _SIGNIFICANT_STRETCH else 0.0,
         width=board.size[0],
         better=better_model(usable, board, calibration.model, estimate, choice) if suspicious else None,
         motion=shutter.shift,

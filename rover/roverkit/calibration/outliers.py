@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from roverkit.calibration.adjustment import Estimate
 from roverkit.calibration.board import CalibrationBoard
-from roverkit.calibration.board_bend import bent_points
+from roverkit.calibration.board_shape import shaped_points
 from roverkit.calibration.start import residuals
 from roverkit.calibration.views import FEWEST_CORNERS, View
 from roverkit.vision.camera.camera_model import Floats
@@ -89,7 +89,7 @@ def measure(views: Sequence[View], board: CalibrationBoard, estimate: Estimate) 
     Residuals are often larger than the image noise explains, because the board is uneven or the lens differs from its
     model. The excess is treated as additional noise that is equal for all corners.
     """
-    points = bent_points(board, estimate.bend)
+    points = shaped_points(board, estimate.shape)
     lengths = tuple(
         np.linalg.norm(residuals(view, points, estimate.camera, pose), axis=1)
         for view, pose in zip(views, estimate.poses)

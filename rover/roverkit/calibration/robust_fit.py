@@ -1,4 +1,4 @@
-"""Fit of the camera, the bend of the board and its poses to views, without the outliers.
+"""Fit of the camera, the shape of the board and its poses to views, without the outliers.
 
 A view is the set of board corners found in one image.
 """
@@ -12,7 +12,7 @@ import numpy as np
 
 from roverkit.calibration.adjustment import Estimate, Observation, adjust
 from roverkit.calibration.board import CalibrationBoard
-from roverkit.calibration.board_bend import SHAPES, shapes
+from roverkit.calibration.board_shape import NUMBERS, displacements
 from roverkit.calibration.outliers import Choice, choose, measure
 from roverkit.calibration.refusal import check_count
 from roverkit.calibration.solution import COEFFICIENTS, Model
@@ -22,7 +22,7 @@ from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.poses.pose import Pose
 
 _ROUNDS = 10
-_BEND = "bend"
+_SHAPE = "shape"
 _ROBUST_PASSES = 5
 _ROUGHLY = 1e-3
 
@@ -39,8 +39,8 @@ def _start(views: Sequence[View], board: CalibrationBoard, model: Model) -> Esti
     """Return a first estimate of camera and poses from all corners; robust weights reduce the influence of outliers."""
     rough = rough_camera(views, board, fisheye=model is Model.EQUIDISTANT)
     camera = replace(rough, distortion=np.zeros(len(COEFFICIENTS[model])))
-    estimate = Estimate(camera, tuple(rough_pose(view, board, rough)[0] for view in views), np.zeros(SHAPES))
-    names = ("fx", "fy", "cx", "cy", *COEFFICIENTS[model], *[_BEND] * SHAPES)
+    estimate = Estimate(camera, tuple(rough_pose(view, board, rough)[0] for view in views), np.zeros(NUMBERS))
+    names = ("fx", "fy", "cx", "cy", *COEFFICIENTS[model], *[_SHAPE] * NUMBERS)
     # First the parameters that matter most: from a rough start, k2 and k3 would explain what is still wrong with the
     # focal length, and the minimum nearby could be a wrong one.
     for free in (("fx", "fy", "k1"), names):
@@ -86,7 +86,7 @@ def _with_dropped(views: Sequence[View], board: CalibrationBoard, estimate: Esti
 
 
 def posed(view: View, board: CalibrationBoard, estimate: Estimate) -> Pose:
-    """Return the pose of the board in a view, with the camera and the bend of an estimate."""
+    """Return the pose of the board in a view, with the camera and the shape of an estimate."""
     alone = replace(estimate, poses=(rough_pose(view, board, estimate.camera)[0],))
     weights = measure([view], board, alone).robust_weights()
     fixed = np.zeros(estimate.shared, dtype=bool)
@@ -108,7 +108,7 @@ def observations_of(
 
 def _weighted(views: Sequence[View], board: CalibrationBoard, weights: Sequence[Floats]) -> list[Observation]:
     points = board.points
-    heights = shapes(board, points)
+    moved = displacements(board, points)
     return [
-        Observation(points[view.ids], heights[view.ids], view.corners, weight) for view, weight in zip(views, weights)
+        Observation(points[view.ids], moved[view.ids], view.corners, weight) for view, weight in zip(views, weights)
     ]

@@ -9,7 +9,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from roverkit.calibration.board_bend import SHAPES
+from roverkit.calibration.board_shape import NUMBERS
 from roverkit.calibration.verdict import Judgement
 from roverkit.calibration.views import View
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
@@ -89,10 +89,10 @@ class Calibration:
     """Root mean square of the residuals' lengths over all used corners, in pixels."""
     views: tuple[Fitted, ...]
     """All views in the order given, including dropped ones."""
-    bend: Floats = field(default_factory=lambda: np.zeros(SHAPES))
-    """Bend (3,) of the board in metres, see `board_bend`."""
-    bend_covariance: Floats = field(default_factory=lambda: np.zeros((SHAPES, SHAPES)))
-    """Covariance (3, 3) of the bend."""
+    shape: Floats = field(default_factory=lambda: np.zeros(NUMBERS))
+    """Shape (4,) of the board, see `board_shape`."""
+    shape_covariance: Floats = field(default_factory=lambda: np.zeros((NUMBERS, NUMBERS)))
+    """Covariance (4, 4) of the shape."""
     judgement: Judgement = field(default_factory=Judgement)
     """Verdict on the calibration, with its reasons."""
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from roverkit.calibration.adjustment import Estimate, Observation, information, linearise
 from roverkit.calibration.board import CalibrationBoard
-from roverkit.calibration.board_bend import SHAPES, bent_points
+from roverkit.calibration.board_shape import NUMBERS, shaped_points
 from roverkit.calibration.evidence import gather
 from roverkit.calibration.refusal import check_count, check_coverage, check_sizes
 from roverkit.calibration.robust_fit import fit, observations_of, part_of
@@ -33,7 +33,7 @@ def calibrate(views: Sequence[View], board: CalibrationBoard, model: Model = Mod
     check_sizes(usable)
     check_count(len(usable), len(views))
     estimate, choice = fit(usable, board, model)
-    points = bent_points(board, estimate.bend)
+    points = shaped_points(board, estimate.shape)
     fitted = [
         Fitted(view, pose, residuals(view, points, estimate.camera, pose), mask, reason)
         for view, pose, mask, reason in zip(usable, estimate.poses, choice.masks, choice.dropped)
@@ -47,11 +47,11 @@ def calibrate(views: Sequence[View], board: CalibrationBoard, model: Model = Mod
     calibration = Calibration(
         camera=estimate.camera,
         model=model,
-        covariance=covariance[:-SHAPES, :-SHAPES],
+        covariance=covariance[:-NUMBERS, :-NUMBERS],
         rms=float(np.sqrt(squares.sum(axis=1).mean())),
         views=tuple(_unusable(view) if view.flaw else next(found) for view in views),
-        bend=estimate.bend,
-        bend_covariance=covariance[-SHAPES:, -SHAPES:],
+        shape=estimate.shape,
+        shape_covariance=covariance[-NUMBERS:, -NUMBERS:],
     )
     return replace(calibration, judgement=judge(gather(calibration, usable, board, estimate, choice, coverage)))
 

@@ -11,6 +11,8 @@ from enum import Enum
 
 BENT, BENT_BADLY = 0.002, 0.02
 """Bend of the board, as a share of its width, from which a calibration is only usable, and not to be used."""
+STRETCHED, STRETCHED_BADLY = 0.001, 0.03
+"""Difference between the stretch of the print along its sides, as a fraction, with the same meaning."""
 MOVED, MOVED_BADLY = 0.3, 3.0
 """Motion in pixels during the readout of an image, with the same meaning."""
 MOTION = 0.25
@@ -85,6 +87,8 @@ class Evidence:
     """Height of the board above a plane in metres; 0 if it is not significant."""
     width: float = 1.0
     """Width of the board in metres."""
+    stretch: float = 0.0
+    """How much higher the print is than wide, as a fraction; 0 if it is not significant."""
     better: BetterModel | None = None
     motion: float = 0.0
     """Motion from the first to the last row while an image was read out."""
@@ -122,6 +126,14 @@ def _doubts(evidence: Evidence) -> Iterator[Doubt]:
             _level(share, BENT_BADLY),
             f"the board is bent by {evidence.bend * 1000:.1f} mm: the parameters allow for a simple bend, but a flat "
             "board gives better ones; glue it to something flat, such as glass",
+        )
+    if abs(evidence.stretch) >= STRETCHED:
+        longer, shorter = ("higher", "wide") if evidence.stretch > 0 else ("wider", "high")
+        yield Doubt(
+            _level(abs(evidence.stretch), STRETCHED_BADLY),
+            f"the squares of the print are {100 * abs(evidence.stretch):.2g} % {longer} than {shorter}: the "
+            "parameters allow for this, but their size is not the one that you gave; measure many squares in both "
+            "directions, and print without scaling",
         )
     if not explained and evidence.motion >= MOVED and evidence.motion_explains >= MOTION:
         explained = True

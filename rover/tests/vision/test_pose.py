@@ -98,7 +98,7 @@ def test_a_fit_that_cannot_be_chance_widens_the_covariance() -> None:
     seen = seen_at(pose, square(0.05), 1e-5, np.random.default_rng(0))
     seen.rays[0] += 2e-3
     solutions = solved(seen)
-    wider, doubtful = with_all_errors(seen, solutions)
+    ((wider, doubtful),) = with_all_errors([seen], [solutions])
     assert doubtful[0].covariance.trace() > 10 * solutions[0].covariance.trace()
     assert wider.covariance[0, 0] > 10 * seen.covariance[0, 0]
 

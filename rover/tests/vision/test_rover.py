@@ -167,8 +167,8 @@ def test_markers_that_share_a_number_are_in_the_detections_alone(node: MemoryMid
     )
     transforms, detections = _heard(node, "/tf", tf2_msgs.TFMessage), _heard(node, "/aruco/detections", _DETECTIONS)
     poses = [_heard(node, f"/aruco/aruco_{number}/pose", geometry_msgs.PoseWithCovarianceStamped) for number in (7, 9)]
-    publishing = LandmarkPublisher(node, camera_of(lens()), "aruco_", _topic)
-    publishing.publish(LandmarkResult(Frame(np.zeros((480, 640), np.uint8), 5, 0, "eye"), seen))
+    publishing = LandmarkPublisher(node, "aruco_", _topic)
+    publishing.publish(LandmarkResult(Frame(np.zeros((480, 640), np.uint8), 5, 0, "eye"), camera_of(lens()), seen))
     assert list(map(len, poses)) == [0, 1]
     assert [one.child_frame_id for one in transforms[0].transforms] == ["aruco_9"]
     found = [

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from roverkit.calibration import Calibration, Model, PoorViewsError, Verdict, View, calibrate
 from roverkit.calibration.adjustment import moved_camera
-from roverkit.calibration.board_bend import height
+from roverkit.calibration.board_shape import STRETCH, height
 from roverkit.calibration.verdict import BetterModel, Evidence, judge
 from roverkit.vision import CameraParameters
 from roverkit.vision.camera.parameter_derivatives import by_parameters
@@ -116,7 +116,7 @@ def test_good_views_give_a_good_calibration() -> None:
 def test_a_bent_board_is_named_and_does_not_change_the_camera() -> None:
     """Its height is measured, and fx is right nevertheless; before, it was wrong by more than a percent."""
     found = calibrate(bent(4, 0.002), BOARD)
-    assert height(BOARD, found.bend) == pytest.approx(0.002, rel=0.05)
+    assert height(BOARD, found.shape) == pytest.approx(0.002, rel=0.05)
     assert "usable: the board is bent by 2.0 mm" in doubts(found)
     assert found.camera.focal == pytest.approx(CAMERA.focal, rel=1e-3)
 

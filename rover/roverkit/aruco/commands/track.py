@@ -24,7 +24,7 @@ from roverkit.aruco.tracker_declaration import NODE
 from roverkit.node.camera_outputs import add_outputs, middleware_of
 from roverkit.node.camera_source import PARAMETERS, add_playing, add_source
 from roverkit.node.program import node_arguments
-from roverlink.console import Subparsers, add_project, count, documented_command, parsed_number
+from roverlink.console import Subparsers, add_project, documented_command, parsed_number
 
 
 def add(commands: Subparsers) -> None:
@@ -81,12 +81,12 @@ def _add_rover(parser: argparse.ArgumentParser) -> None:
 def _add_markers(parser: argparse.ArgumentParser) -> None:
     add_targets(parser)
     parser.add_argument(
-        "--scan-every",
-        type=count,
-        default=3,
-        metavar="N",
-        help="search the whole image for new markers in every N-th image; known markers are followed in all images "
-        "(default: %(default)s)",
+        "--scan-period",
+        type=_at_least_zero,
+        default=0.09,
+        metavar="SECONDS",
+        help="search the whole image for new markers when so much time has passed since the last search; known markers "
+        "are followed in all images (default: %(default)s, every third image at 30 images a second)",
     )
     parser.add_argument(
         "--marker-frame",

@@ -32,7 +32,10 @@ class Uncertainty:
     covariance_scale: float = 1.0
     """Factor by which all standard deviations are multiplied."""
     readout_time: float = 0.0
-    """Time in seconds from the first row of the image to the last one; 0 for a global shutter."""
+    """Time in seconds from the first row of the image to the last one; 0 for a global shutter.
+
+    Corners are moved to where they were when the middle row was read. The change of their velocity is an error.
+    """
 
     def __post_init__(self) -> None:
         for name in ("side_sigma", "corner_floor", "readout_time"):

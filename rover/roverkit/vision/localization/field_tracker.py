@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from roverkit.vision.camera.camera_model import Floats
+from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.frames import Frame
 from roverkit.vision.localization.landmarks import Landmarks
 from roverkit.vision.localization.pose_from_landmarks import CameraDetections, FieldPose, localize
@@ -22,6 +22,8 @@ class LandmarkResult:
     """Result of the tracking in one frame: the landmarks in it, and the poses that follow from them."""
 
     frame: Frame
+    parameters: CameraParameters
+    """Parameters of the camera in this frame."""
     detections: tuple[LandmarkDetection, ...]
     camera_pose: FieldPose | None = None
     """Camera's pose on the field; None if the frame shows no known landmark."""
@@ -68,13 +70,14 @@ class FieldTracker:
     def track(self, camera: MountedCamera, frame: Frame) -> LandmarkResult:
         """Return the results of a camera's frame. Call this once for each frame."""
         rover = self._rover
-        detections = tuple(camera.tracker.track(frame.image, frame.stamp))
+        detections, parameters = camera.tracker.track(frame.image, frame.stamp), camera.tracker.camera
         if rover is None:
-            return LandmarkResult(frame, detections, camera=camera.name)
+            return LandmarkResult(frame, parameters, detections, camera=camera.name)
         mount = camera.mount(frame)
         seen = None if mount is None else CameraDetections(detections, mount)
         camera_pose = localize(detections, rover.landmarks)
-        return LandmarkResult(frame, detections, camera_pose, camera.name, rover.add(camera.name, frame.stamp, seen))
+        pose = rover.add(camera.name, frame.stamp, seen)
+        return LandmarkResult(frame, parameters, detections, camera_pose, camera.name, pose)
 
 
 def _detection(detection: LandmarkDetection) -> Mapping[str, Any]:

@@ -7,8 +7,9 @@ that was moved or misidentified does not fit the pose that follows from the othe
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from roverkit.vision.localization.landmarks import Landmark, Landmarks
 from roverkit.vision.markers.marker_set import TargetId
 from roverkit.vision.markers.tracker import LandmarkDetection
 from roverkit.vision.poses.chi_squared import chi2_limit
+from roverkit.vision.poses.pnp import mixed_covariance
 from roverkit.vision.poses.pose import IDENTITY, Pose, predict
 
 _SLACK = (100.0, 10.0, 3.0, 1.0, 1.0)
@@ -29,6 +31,10 @@ _SINGULAR = 1e14
 """Condition number of the normal matrix above which the corners do not determine the pose."""
 _TRIED = 4
 """Largest number of start poses that are refined; one is enough if all landmarks agree."""
+_ANOTHER = math.radians(5)
+"""Angle in radians between two poses above which they are different ones, and not the same with errors."""
+_UNLIKELY = 30.0
+"""Chi squared by which a start pose may be worse than the best pose; above, it is too improbable to be refined."""
 _STEPS = 15
 _CONVERGED = 1e-4  # relative change of chi squared
 
@@ -87,26 +93,33 @@ def localize_rover(seen: Sequence[CameraDetections], landmarks: Landmarks) -> Fi
         if detection.id in landmarks.places and detection.id not in shared
     ]
     starts = [
-        observation.mount @ solution.pose @ landmarks.places[observation.detection.id].pose.inverse()
+        _Start(observation.mount @ solution.pose @ landmarks.places[observation.detection.id].pose.inverse(), misfit)
         for observation in known
-        for solution in observation.detection.solutions
+        for solution, misfit in zip(observation.detection.solutions, _misfits(observation.detection))
     ]
-    # Best start first: usually it explains all landmarks, and the loop ends after it.
-    starts.sort(key=lambda start: _cost(known, start, _SLACK[0]))
-    best: tuple[float, Pose, list[_Known]] | None = None
-    for start in starts[:_TRIED]:
-        outcome = _agree(known, start)
-        if outcome and (best is None or outcome[0] < best[0]):
-            best = outcome
-        if best and len(best[2]) == len(known):
-            break
-    if best is None:
+    # With several landmarks, their places decide. A single one has its earlier frames, too.
+    alone = len(known) == 1
+    costs = [start.misfit if alone else _cost(known, start.pose, _SLACK[0]) for start in starts]
+    # Best start first: usually it explains all landmarks, and no other one is near.
+    found: list[_Outcome] = []
+    for cost, start in sorted(zip(costs, starts), key=lambda pair: pair[0])[:_TRIED]:
+        explained = any(len(other.used) == len(known) and not other.may_differ(start.pose, cost) for other in found)
+        if not explained and (outcome := _agree(known, start.pose)):
+            found.append(replace(outcome, cost=start.misfit) if alone else outcome)
+    if not found:
         return None
-    _, pose, used = best
+    best = min(found, key=lambda outcome: outcome.cost)
+    pose, used = best.pose, best.used
+    rivals = [best, *(other for other in found if other.pose.angle_to(pose) > _ANOTHER)]
+    weights = [math.exp((best.cost - other.cost) / 2) for other in rivals]
+    possible = [
+        (weight / sum(weights), other.pose.inverse(), _of_inverse(other.pose, _covariance(other.used, other.pose)))
+        for weight, other in zip(weights, rivals)
+    ]
     return FieldPose(
         frame=landmarks.frame,
         pose=pose.inverse(),
-        covariance=_of_inverse(pose, _covariance(used, pose)),
+        covariance=mixed_covariance(pose.inverse(), possible),
         used=tuple(observation.detection.id for observation in used),
         rejected=tuple(observation.detection.id for observation in known if observation not in used),
     )
@@ -147,10 +160,40 @@ def _known(detection: LandmarkDetection, landmark: Landmark, camera: int, mount:
     return _Known(detection, points, own, whitening, chi2_limit(2 * len(points)), camera, mount)
 
 
-def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Known]] | None:
+class _Start(NamedTuple):
+    """Start pose (field to rover), from one possible pose of a landmark."""
+
+    pose: Pose
+    misfit: float
+    """Misfit of the landmark's pose in this frame and the earlier ones, in chi squared."""
+
+
+def _misfits(detection: LandmarkDetection) -> list[float]:
+    """Return, for each solution of a detection, the misfit by its probability, in chi squared."""
+    chances = [
+        detection.probability if solution.pose is detection.pose else 1 - detection.probability
+        for solution in detection.solutions
+    ]
+    return [-2 * math.log(max(chance, 1e-12)) for chance in chances]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Outcome:
+    """Refined pose (field to rover), the detections that fit it, and its cost in chi squared."""
+
+    cost: float
+    pose: Pose
+    used: list[_Known]
+
+    def may_differ(self, start: Pose, cost: float) -> bool:
+        """Return true if a start pose with this cost may lead to another pose that is nearly as probable."""
+        return cost < self.cost + _UNLIKELY and self.pose.angle_to(start) > _ANOTHER
+
+
+def _agree(known: Sequence[_Known], pose: Pose) -> _Outcome | None:
     """Refine a start pose (field to rover) with the detections of landmarks that fit it.
 
-    Returns the cost, the refined pose, and the detections that fit; None if the pose cannot be refined.
+    Returns None if the pose cannot be refined.
     """
     used: list[_Known] = []
     for slack in _SLACK:
@@ -161,7 +204,7 @@ def _agree(known: Sequence[_Known], pose: Pose) -> tuple[float, Pose, list[_Know
         if refined is None:
             return None
         pose = refined
-    return _cost(known, pose), pose, used
+    return _Outcome(_cost(known, pose), pose, used)
 
 
 def _cost(known: Sequence[_Known], pose: Pose, slack: float = 1.0) -> float:

@@ -45,6 +45,11 @@ class MarkerBatch:
     scale: Floats
     """Extent (K,) of the rays of a marker's corners. The fit works with scaled rays: (ray - `centre`) / `scale`."""
 
+    def only(self, chosen: NDArray[np.intp]) -> MarkerBatch:
+        """Return a batch with only some of the markers."""
+        arrays = (self.differences, self.places, self.across_u, self.real)
+        return MarkerBatch(*(part[chosen] for part in arrays), self.half, self.centre[chosen], self.scale[chosen])
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pixels:
@@ -62,6 +67,10 @@ class Pixels:
     def every(self, stride: int) -> Pixels:
         """Return a selection with only every `stride`-th pixel."""
         return Pixels(*(part[..., ::stride] for part in (self.grey, self.points, self.by_pixel, self.real)))
+
+    def only(self, chosen: NDArray[np.intp]) -> Pixels:
+        """Return a selection with the pixels of only some markers."""
+        return Pixels(*(part[chosen] for part in (self.grey, self.points, self.by_pixel, self.real)))
 
 
 def make_batch(patterns: Sequence[Pattern], rays: Floats) -> MarkerBatch:
@@ -157,9 +166,9 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, batch: Mar
     flat = moved_points.reshape(len(index), 2, -1)
     count = max(int(np.diff(start).max(initial=0)), 1)
     edge = chosen % seen.shape[2]
-    grey, real = np.zeros((2, len(index), count))
-    out_points, out_slopes = np.zeros((len(index), 2, count)), np.zeros((len(index), 2, 2, count))
-    out_slopes[:, 0, 0] = out_slopes[:, 1, 1] = 1
+    grey, real = np.zeros((2, len(index), count), np.float32)
+    # padding is at the first point, so that its blur in modules is that of the others
+    out_points, out_slopes = (np.repeat(part[..., :1], count, axis=-1) for part in (points, by_pixel))
     grey[marker, row] = image.ravel()[index.reshape(len(index), -1)[marker, chosen]]
     real[marker, row] = 1
     out_points[marker, :, row] = flat[marker, :, chosen]

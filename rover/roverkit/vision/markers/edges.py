@@ -3,8 +3,9 @@
 The number of a marker determines where all its edges are: the outer ones, and those between black and white cells
 (modules). Pixels near the edges are compared with a model of the pattern, which a homography maps to the image.
 Gauss-Newton steps change the homography, the blur, and the light. The blur is an ellipse, because motion blurs along
-one direction. The light may vary linearly over the marker, and white areas may have grown: a camera that encodes or
-clips bright light shifts all edges towards black.
+one direction. The light may vary quadratically over the marker, black and white each in its own way, because a shadow
+darkens and a highlight brightens a part of it. White areas may have grown: a camera that encodes or clips bright light
+shifts all edges towards black.
 
 Printers draw markers from images whose modules are no whole number of pixels. Then the lines between modules are not
 where they should be, while the outer edges are. So the inner lines get offsets of their own if they disagree with the
@@ -64,20 +65,23 @@ SETTLED = 0.05
 """Motion of corners in pixels per step below which the fit has converged."""
 UNSETTLED = 0.5
 """Motion of corners in pixels in the last step above which the fit has diverged."""
-OUTLIER = 4.0
-"""Residual, in standard deviations, above which a pixel gets no weight."""
+OUTLIERS = (3.0, 5.0)
+"""Residuals, in standard deviations, from which a pixel loses weight, and above which it has none.
+
+With a sudden end, pixels at the limit would come and go, and the fit would not settle.
+"""
 FIRST_BLUR = 0.85
 """Standard deviation in pixels of a focused lens's blur, including the area of a pixel."""
 BLURS = (0.4, 4.0)
 """Smallest and largest standard deviation of the blur in pixels, along any direction."""
-# 8 of the homography, 3 of the blur, and 7 of the light: black and white, each with a gradient along u and v, and the
-# growth of white areas. The offsets of inner lines follow.
-_GEOMETRY, _LIGHT = 11, 7
+# 8 of the homography, 3 of the blur, and 13 of the light: black and contrast, each a polynomial of u and v with 6 terms,
+# and the growth of white areas. The offsets of inner lines follow.
+_TERMS = 6
+_GEOMETRY, _LIGHT = 11, 2 * _TERMS + 1
 _UNKNOWNS = _GEOMETRY + _LIGHT
 _FEWEST = 4 * _UNKNOWNS  # fewest pixels of a fit
-_RIGID = 1e12  # precision, relative to that of the pixels, that holds the inner lines where they should be
-LINE_STEPS = 3
-"""Largest number of Gauss-Newton steps with free inner lines."""
+RIGID = 1e12
+"""Precision, relative to that of a pixel, that holds the inner lines where they should be."""
 _MAD_TO_SIGMA = 1.4826  # for a normal distribution: 1 / 0.6745
 _ROUNDING = 0.3  # standard deviation of rounding to whole grey levels: 1 / sqrt(12)
 _RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible, for the sake of the others
@@ -92,6 +96,10 @@ class Guess:
     """Corners (4, 2) in pixels."""
     blur: float = FIRST_BLUR
     """Standard deviation of the blur in pixels at which the fit starts, usually from the previous frame."""
+    lines: Floats | None = None
+    """Offsets (2, n - 2) of the inner lines in modules, from the previous frame; None if they are unknown."""
+    rigidity: float = RIGID
+    """Precision, relative to that of a pixel, with which the inner lines are where they should be."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,6 +118,10 @@ class Fit:
     """Share of the pixels' variance that the pattern explains, including outliers; 1 for a perfect marker."""
     blur: float
     """Standard deviation of the blur in pixels."""
+    lines: Floats
+    """Offsets (2, n - 2) of the inner lines in modules, from where they should be."""
+    rigidity: float
+    """Precision, relative to that of a pixel, with which the inner lines are where they should be."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,17 +135,25 @@ class _State:
     lines: Floats
     """Offsets (K, 2, n - 2) of the inner lines between modules along u and v, in modules."""
 
+    def only(self, chosen: NDArray[np.intp]) -> _State:
+        """Return a copy with only some of the markers."""
+        return _State(self.homography[chosen], self.blur[chosen], self.lines[chosen])
+
+    def put(self, chosen: NDArray[np.intp], moved: _State) -> None:
+        """Replace the unknowns of some markers."""
+        self.homography[chosen], self.blur[chosen], self.lines[chosen] = moved.homography, moved.blur, moved.lines
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outcome:
     """Result of one Gauss-Newton step of the edge fit, for K markers with up to N pixels each."""
 
     normal: Floats
-    """Normal matrices (K, U, U) of the U unknowns: 18, and the offsets of inner lines if they are free."""
+    """Normal matrices (K, U, U) of the U unknowns: 24, and the offsets of inner lines if they may move."""
     right: Floats
     """Right sides (K, U) of the normal equations."""
     contrast: Floats
-    """Contrast (K,) in grey levels, as in `Fit`."""
+    """Contrast (K,) in grey levels in the marker's middle, as in `Fit`."""
     residuals: Floats
     """Residuals (K, N) in grey levels before the step."""
     weights: Floats
@@ -145,13 +165,6 @@ class _Outcome:
         """Return the variance (K,) of the residuals after the step."""
         variance: Floats = _squares(self.left) / np.maximum(self.weights.sum(axis=1) - _UNKNOWNS, 1.0)
         return variance
-
-    def explained(self, pixels: Pixels) -> Floats:
-        """Return the share (K,) of the variance of the pixels that the model explains; 1 for a perfect marker."""
-        mean = pixels.grey.sum(axis=1) / np.maximum(pixels.real.sum(axis=1), 1)
-        spread = pixels.grey - mean[:, None] * pixels.real
-        explained: Floats = 1 - _squares(self.residuals) / np.maximum(_squares(spread), 1e-9)
-        return explained
 
 
 def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Sequence[Guess]) -> list[Fit | None]:
@@ -170,64 +183,79 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
     state = _State(
         homographies(scaled.transpose(0, 2, 1)),
         blurs[:, None, None] ** 2 * np.eye(2),
-        np.zeros((len(guesses), 2, guesses[0].pattern.modules - 1)),
+        np.stack([guess.lines if guess.lines is not None else _straight(guess.pattern) for guess in guesses]),
     )
+    rigidity = np.array([guess.rigidity for guess in guesses])
     with np.errstate(all="ignore"):  # a wrong guess may diverge; it is rejected below
         pixels = choose_pixels(image, camera, batch, state.homography)
-        coarse = pixels.every(COARSE)
+        visible &= pixels.real.sum(axis=1) >= _FEWEST
         pixel = batch.scale * float(np.max(camera.focal))  # pixels per unit of the scaled rays
+        active, coarse = np.flatnonzero(visible), pixels.every(COARSE)
         for _ in range(COARSE_STEPS):
-            before, (state, _unused) = state, _step(batch, state, coarse)
-            if not (_shift(before, state) * pixel > NEAR)[visible].any():
+            before, part = state.only(active), coarse.only(active)
+            moved, _unused = _step(batch.only(active), before, part)
+            state.put(active, moved)
+            active = active[_shift(before, moved) * pixel[active] > NEAR]
+            if not active.size:
                 break
+        shift, outcomes = np.full(len(guesses), np.inf), dict[int, tuple[_Outcome, int]]()
+        active = np.flatnonzero(visible)
         for _ in range(FINE_STEPS):
-            before, (state, outcome) = state, _step(batch, state, pixels)
-            shift = _shift(before, state) * pixel
-            if not (shift > SETTLED)[visible].any():
+            if not active.size:
                 break
-        visible &= (pixels.real.sum(axis=1) >= _FEWEST) & (shift < UNSETTLED)
-        rigidity = _rigidity(_step(batch, state, pixels, np.full(len(guesses), _RIGID))[1])
-        if (rigidity < _RIGID)[visible].any():
-            for _ in range(LINE_STEPS):
-                before, (state, outcome) = state, _step(batch, state, pixels, rigidity)
-                if not (_shift(before, state) * pixel > SETTLED)[visible].any():
-                    break
-        variance, explained = outcome.variance(), outcome.explained(pixels)
-    return [
-        _fit(batch, state, outcome, k, float(variance[k]), float(explained[k])) if visible[k] else None
-        for k in range(len(guesses))
-    ]
+            before, part, known = state.only(active), pixels.only(active), rigidity[active]
+            moved, outcome = _step(batch.only(active), before, part, known)
+            state.put(active, moved)
+            outcomes.update((marker, (outcome, row)) for row, marker in enumerate(active.tolist()))
+            earlier, shift[active] = shift[active], _shift(before, moved) * pixel[active]
+            rigidity[active] = np.where(shift[active] < NEAR, _rigidity(outcome, before.lines), known)
+            loosened = (known == RIGID) & (rigidity[active] < RIGID)
+            # Pixels at the limit of outliers, or at that of the blur, can keep a fit from coming to rest.
+            resting = (shift[active] <= SETTLED) | ((shift[active] < NEAR) & (shift[active] > earlier / 2))
+            active = active[~resting | loosened]
+        visible &= shift < UNSETTLED
+        chosen = np.flatnonzero(visible)
+        fits = dict(zip(chosen.tolist(), _fits(batch, state, pixels, chosen, outcomes, rigidity)))
+    return [fits.get(k) for k in range(len(guesses))]
+
+
+def _straight(pattern: Pattern) -> Floats:
+    """Return the offsets (2, n - 1) of inner lines that are where they should be."""
+    return np.zeros((2, pattern.modules - 1))
 
 
 def _step(batch: MarkerBatch, state: _State, pixels: Pixels, rigidity: Floats | None = None) -> tuple[_State, _Outcome]:
     """Make one Gauss-Newton step for all markers, in which outliers have no weight; return the new state.
 
-    With `rigidity` (K,), the inner lines between modules are free. It is the precision with which they are known to be
+    With `rigidity` (K,), the inner lines between modules may move. It is the precision with which they are known to be
     where they should be, relative to that of a pixel.
     """
-    design, square = _design(batch, state, pixels, with_lines=rigidity is not None)
+    design, terms = _design(batch, state, pixels, with_lines=rigidity is not None)
     light = design[:, _GEOMETRY:_UNKNOWNS]
-    level = _solve(light @ light.transpose(0, 2, 1), light @ pixels.grey[:, :, None])
+    seen = light @ pixels.grey[:, :, None]
+    level = _solve((light @ light.transpose(0, 2, 1)).astype(float), seen.astype(float)).astype(np.float32)
     residuals = pixels.grey - (level[:, None] @ light)[:, 0]
-    contrast = level[:, 3, None] + (level[:, None, 4:6] @ square)[:, 0]
+    contrast = (level[:, None, _TERMS:-1] @ terms)[:, 0]
     # Variable projection: the light is solved linearly first, then all unknowns take one step together.
     design[:, :_GEOMETRY] *= contrast[:, None]
     design[:, _UNKNOWNS:] *= contrast[:, None]
     weights = _weights(residuals, pixels.real)
     weighted = design * weights[:, None]
-    normal, right = weighted @ design.transpose(0, 2, 1), weighted @ residuals[:, :, None]
+    normal = (weighted @ design.transpose(0, 2, 1)).astype(float)
+    right = (weighted @ residuals[:, :, None]).astype(float)
+    held, towards = normal.copy(), right.copy()
     if rigidity is not None:
         free = np.arange(_UNKNOWNS, normal.shape[1])
-        normal[:, free, free] += rigidity[:, None]
-        right[:, free, 0] -= rigidity[:, None] * state.lines.reshape(len(normal), -1)
-    change = _solve(normal, right)
-    left = weights * (residuals - (change[:, None] @ design)[:, 0])
+        held[:, free, free] += rigidity[:, None]
+        towards[:, free, 0] -= rigidity[:, None] * state.lines.reshape(len(normal), -1)
+    change = _solve(held, towards)
+    left = weights * (residuals - (change.astype(np.float32)[:, None] @ design)[:, 0])
     homography = state.homography.copy()
     homography.reshape(-1, 9)[:, :8] += change[:, :8]
     blur = _possible(state.blur + change[:, [8, 9, 9, 10]].reshape(-1, 2, 2))
     lines = state.lines + change[:, _UNKNOWNS:].reshape(state.lines.shape) if rigidity is not None else state.lines
     moved = _State(homography, blur, lines)
-    return moved, _Outcome(normal, right[..., 0], level[:, 3], residuals, weights, left)
+    return moved, _Outcome(normal, right[..., 0], level[:, _TERMS], residuals, weights, left)
 
 
 def _possible(blur: Floats) -> Floats:
@@ -238,25 +266,24 @@ def _possible(blur: Floats) -> Floats:
     return possible
 
 
-def _rigidity(outcome: _Outcome) -> Floats:
+def _rigidity(outcome: _Outcome, lines: Floats) -> Floats:
     """Return the precision (K,) with which inner lines are where they should be, relative to that of a pixel.
 
-    `outcome` is a step in which the lines were held by `_RIGID`. It is linear in the unknowns, so the offsets that the
-    lines would have without this can be computed from it. Prints that were rastered have misplaced inner lines, and so
+    `outcome` is a step from the offsets `lines` (K, 2, n - 2). It is linear in the unknowns, so the offsets that the
+    lines would have if nothing held them can be computed from it. Prints that were rastered have misplaced inner lines, and so
     has bent paper; the outer edges are then the only ones that determine the marker. The variance of the offsets is
     estimated with the method of DerSimonian and Laird (1986).
     """
     normal = outcome.normal.copy()
     free = np.arange(_UNKNOWNS, normal.shape[1])
-    normal[:, free, free] -= _RIGID
     normal[:, free, free] += _RIDGE * (1 + normal[:, free, free])
     inverse = np.linalg.inv(np.where(np.isfinite(normal), normal, 0) + _RIDGE * np.eye(normal.shape[1]))
-    offsets = (inverse @ outcome.right[:, :, None])[:, free, 0]
+    offsets = lines.reshape(len(lines), -1) + (inverse @ outcome.right[:, :, None])[:, free, 0]
     variance = outcome.variance()
     precision = 1 / np.maximum(inverse.diagonal(axis1=1, axis2=2)[:, free], 1e-12) / variance[:, None]
     chi2 = (offsets**2 * precision).sum(axis=1)
     excess = (chi2 - free.size) / precision.sum(axis=1)
-    return np.where(chi2 > chi2_limit(free.size), variance / np.maximum(excess, 1e-12), _RIGID)
+    return np.where(chi2 > chi2_limit(free.size), variance / np.maximum(excess, 1e-12), RIGID)
 
 
 def _shift(before: _State, after: _State) -> Floats:
@@ -279,20 +306,22 @@ def _solve(normal: Floats, right: Floats) -> Floats:
 
 
 def _weights(residuals: Floats, real: Floats) -> Floats:
-    """Return the weights (K, N) of pixels: 0 for outliers and padding, 1 for all others."""
+    """Return the weights (K, N) of pixels: 0 for outliers and padding, 1 for most others."""
     sizes = np.abs(residuals) - (1 - real)  # padding sorts first
     count = real.sum(axis=1).astype(np.intp)
     middle = np.sort(sizes, axis=1)[
         np.arange(len(sizes)), np.minimum(real.shape[1] - count + count // 2, real.shape[1] - 1)
     ]
-    limit = OUTLIER * (_MAD_TO_SIGMA * middle + _ROUNDING)
-    return np.where(np.abs(residuals) < limit[:, None], real, 0.0)
+    sigma = _MAD_TO_SIGMA * middle + _ROUNDING
+    full, none = OUTLIERS
+    weights: Floats = real * np.clip((none - np.abs(residuals) / sigma[:, None]) / (none - full), 0, 1)
+    return weights
 
 
 def _design(batch: MarkerBatch, state: _State, pixels: Pixels, *, with_lines: bool) -> tuple[Floats, Floats]:
-    """Return the derivatives (K, U, N) of the model, and the positions (K, 2, N) of the pixels in the marker's square.
+    """Return the derivatives (K, U, N) of the model, and the terms (K, 6, N) of the light's polynomial at the pixels.
 
-    The derivatives are with respect to 8 elements of the homography, 3 of the blur, 7 coefficients of the light, and
+    The derivatives are with respect to 8 elements of the homography, 3 of the blur, 13 coefficients of the light, and
     the offsets of the inner lines if `with_lines` is true. All but those of the light are for a contrast of 1. If the
     homography moves while the pixel stays, the pixel sees the pattern move in the opposite direction.
     """
@@ -303,52 +332,85 @@ def _design(batch: MarkerBatch, state: _State, pixels: Pixels, *, with_lines: bo
     w = (state.homography[:, 2:, :2] @ square)[:, 0] + 1
     by_place = predicted.by_u[:, None] * by_point[:, 0] + predicted.by_v[:, None] * by_point[:, 1]
     by_place *= (-batch.half * pixels.real / w)[:, None]
-    design = np.empty((len(square), _UNKNOWNS + predicted.by_lines.shape[1], square.shape[2]))
+    # single precision is twice as fast; the normal equations are solved in double precision
+    design = np.empty((len(square), _UNKNOWNS + predicted.by_lines.shape[1], square.shape[2]), np.float32)
     design[:, 0:2] = by_place[:, :1] * square
     design[:, 2] = by_place[:, 0]
     design[:, 3:5] = by_place[:, 1:] * square
     design[:, 5] = by_place[:, 1]
     design[:, 6:8] = -(by_place * pixels.points).sum(axis=1)[:, None] * square
     design[:, 8:11] = predicted.by_blur * pixels.real[:, None]
-    design[:, 11] = pixels.real
-    design[:, 12:14] = square * pixels.real[:, None]
-    design[:, 14] = predicted.grey * pixels.real
-    design[:, 15:17] = design[:, 14, None] * square
-    design[:, 17] = predicted.by_growth * pixels.real
+    u, v = square.astype(np.float32).transpose(1, 0, 2)
+    terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=1) * pixels.real[:, None]
+    white = _GEOMETRY + _TERMS
+    design[:, _GEOMETRY:white] = terms
+    design[:, white : white + _TERMS] = predicted.grey[:, None] * terms
+    design[:, _UNKNOWNS - 1] = predicted.by_growth * pixels.real
     design[:, _UNKNOWNS:] = predicted.by_lines * pixels.real[:, None]
-    return design, square
+    return design, terms
 
 
-def _fit(batch: MarkerBatch, state: _State, outcome: _Outcome, k: int, variance: float, explained: float) -> Fit | None:
-    """Return the result of the fit for marker `k`; None if its covariance is not finite."""
-    try:
-        covariance = variance * np.linalg.inv(outcome.normal[k])[:8, :8]
-    except np.linalg.LinAlgError:
-        return None
-    corners, by_homography = _corners(state.homography[k])
-    if not np.isfinite(covariance).all() or not np.isfinite(corners).all():
-        return None
-    scale = float(batch.scale[k])
-    return Fit(
-        rays=corners * scale + batch.centre[k],
-        covariance=by_homography @ covariance @ by_homography.T * scale**2,
-        noise=math.sqrt(variance),
-        contrast=float(outcome.contrast[k]),
-        explained=explained,
-        blur=float(np.linalg.det(state.blur[k])) ** 0.25,
-    )
+def _fits(
+    batch: MarkerBatch,
+    state: _State,
+    pixels: Pixels,
+    chosen: NDArray[np.intp],
+    outcomes: dict[int, tuple[_Outcome, int]],
+    rigidity: Floats,
+) -> list[Fit | None]:
+    """Return the results of the fit for the chosen markers; None for one whose covariance is not finite.
+
+    `outcomes` has the last step for each marker, and its place in this step.
+    """
+    if not chosen.size:
+        return []
+    last = [outcomes[marker] for marker in chosen.tolist()]
+    normal = np.stack([outcome.normal[row] for outcome, row in last])
+    variance = np.array([outcome.variance()[row] for outcome, row in last])
+    squares = np.array([float(np.sum(outcome.residuals[row] ** 2)) for outcome, row in last])
+    free = np.arange(_UNKNOWNS, normal.shape[1])
+    normal[:, free, free] += rigidity[chosen, None]
+    usable = np.isfinite(normal).all(axis=(1, 2))
+    normal[~usable] = np.eye(normal.shape[1])
+    diagonal = np.einsum("kii->ki", normal)
+    diagonal += _RIDGE * (diagonal + 1)
+    by_unknowns = np.linalg.inv(normal)[:, :8, :8] * variance[:, None, None]
+    corners, by_homography = _corners(state.homography[chosen])
+    covariance = by_homography @ by_unknowns @ np.swapaxes(by_homography, 1, 2) * batch.scale[chosen, None, None] ** 2
+    usable &= np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(corners).all(axis=(1, 2))
+    rays = corners * batch.scale[chosen, None, None] + batch.centre[chosen, None]
+    count = np.maximum(pixels.real.sum(axis=1), 1)
+    spread = (pixels.grey - (pixels.grey.sum(axis=1) / count)[:, None]) * pixels.real
+    explained = 1 - squares / np.maximum(_squares(spread), 1e-9)[chosen]
+    blur = np.linalg.det(state.blur[chosen]) ** 0.25
+    return [
+        (
+            Fit(
+                rays=rays[place],
+                covariance=covariance[place],
+                noise=math.sqrt(float(variance[place])),
+                contrast=float(outcome.contrast[row]),
+                explained=float(explained[place]),
+                blur=float(blur[place]),
+                lines=state.lines[marker],
+                rigidity=float(rigidity[marker]),
+            )
+            if usable[place]
+            else None
+        )
+        for place, (marker, (outcome, row)) in enumerate(zip(chosen.tolist(), last))
+    ]
 
 
 def _corners(homography: Floats) -> tuple[Floats, Floats]:
-    """Return the corners (4, 2) of a marker as scaled rays, and their derivative (8, 8).
+    """Return the corners (K, 4, 2) of markers as scaled rays, and their derivative (K, 8, 8).
 
-    The derivative is with respect to the elements of the homography. Only the first eight elements of the homography
-    vary.
+    The derivative is with respect to the elements of the homographies (K, 3, 3), of which only the first eight vary.
     """
     lifted = homography @ LIFTED
-    corners = (lifted[:2] / lifted[2]).T
-    place = (LIFTED / lifted[2]).T
-    derivative = np.zeros((4, 2, 8))
-    derivative[:, 0, :3] = derivative[:, 1, 3:6] = place
-    derivative[:, :, 6:] = -corners[:, :, None] * place[:, None, :2]
-    return corners, derivative.reshape(8, 8)
+    corners = np.swapaxes(lifted[:, :2] / lifted[:, 2:], 1, 2)
+    place = np.swapaxes(LIFTED / lifted[:, 2:], 1, 2)
+    derivative = np.zeros((len(homography), 4, 2, 8))
+    derivative[:, :, 0, :3] = derivative[:, :, 1, 3:6] = place
+    derivative[..., 6:] = -corners[..., None] * place[:, :, None, :2]
+    return corners, derivative.reshape(-1, 8, 8)

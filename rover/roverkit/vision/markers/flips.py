@@ -34,13 +34,17 @@ class Flips:
     def __init__(self) -> None:
         self._followed: list[tuple[Pose, float]] = []
         self._stamp = 0
+        self._frames = 0.0  # number of frames in the misfits; it decays as they do
 
-    def decide(self, solutions: Sequence[Solution], stamp: int) -> int:
-        """Return the index of the pose that is probably true, among at most two solutions, best fit first.
+    def weigh(self, solutions: Sequence[Solution], stamp: int) -> list[float]:
+        """Return the probability of each pose, among at most two solutions, best fit first.
 
-        `stamp` is the time of the frame in nanoseconds.
+        `stamp` is the time of the frame in nanoseconds. The probability follows from the mean of the misfits, while
+        their sum decides which pose is more probable: what distorts the corners of a marker, such as bent paper or a
+        shadow, stays from frame to frame, so another frame is no new evidence.
         """
         kept = math.exp(-max(stamp - self._stamp, 0) / 1e9 / FORGETTING_S)
+        self._frames = 1 + kept * self._frames
         before = [(pose, misfit * kept) for pose, misfit in self._inherited(solutions)]
         # Relative to the best solution, so that noise common to both cancels.
         misfits = [
@@ -49,7 +53,8 @@ class Flips:
         least = min(misfits)
         self._followed = [(solution.pose, misfit - least) for solution, misfit in zip(solutions, misfits)]
         self._stamp = stamp
-        return misfits.index(least)
+        weights = [math.exp((least - misfit) / self._frames / 2) for misfit in misfits]
+        return [weight / sum(weights) for weight in weights]
 
     def _inherited(self, solutions: Sequence[Solution]) -> list[tuple[Pose, float]]:
         """Return, for each solution, the pose of the last frame that it continues, and the misfit of that pose."""

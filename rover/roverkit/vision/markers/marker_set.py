@@ -109,6 +109,11 @@ class MarkerSet:
         """Dictionary of the markers as an OpenCV object, `cv2.aruco.Dictionary`."""
         return self._bits
 
+    @property
+    def white(self) -> NDArray[np.bool_]:
+        """Masks (D, n, n) of the white modules (cells) of all markers of the dictionary, without their borders."""
+        return np.stack([~black_modules(self._bits, number)[1:-1, 1:-1] for number in range(len(self._bits.bytesList))])
+
     def __contains__(self, number: int) -> bool:
         return self.side is not None or number in self.sides or number in self._boards
 

@@ -38,6 +38,7 @@ ALONG = (1 / 4, 3 / 4)
 
 # Tables, because numpy has no erf.
 _REACH = 5.0  # range of the tables, in standard deviations
+_SATURATED = 3.5  # distance, in standard deviations, from which `step` counts as 0 or 1: an error of 1/20 grey level
 _RESOLUTION = 1600  # table entries per standard deviation: rounding errors are below 1/40 grey level
 _GRID = np.arange(-_REACH, _REACH + 0.5 / _RESOLUTION, 1 / _RESOLUTION)
 _STEP = np.array([0.5 * math.erfc(-x / math.sqrt(2)) for x in _GRID], np.float32)
@@ -96,15 +97,28 @@ class _Blur:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _LineValues:
-    """Values of a function f at the distances a_i and b_j of the pixels from the lines of the lattice."""
+class _Window:
+    """Modules around each pixel that the blur mixes, W + 1 along both axes, and the W lines between them.
 
-    along_u: Singles
-    """f(a_i), shape (K, L, N) with the index i."""
-    along_v: Singles
-    """f(b_j), shape (K, L, N) with the index j."""
+    Beyond these lines, `step` is 0 or 1, and the other functions are 0.
+    """
+
+    first: NDArray[np.intp]
+    """Indices (K, 2, N) of the first line along u and along v."""
+    modules: Singles
+    """Grey values (W + 1, W + 1, K, N) of the modules minus 1, rows along v."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _LineValues:
+    """Values of a function f at the distances a_i and b_j of the pixels from the lines of their windows."""
+
+    lines: tuple[Singles, Singles]
+    """f(a_i) and f(b_j), each of shape (W, K, N)."""
+    modules: tuple[Singles, Singles]
+    """Decrease of f from one module of the window to the next one, along u and v, each of shape (W + 1, K, N)."""
     summed: Singles
-    """Sum of D[j, i] f(a_i) over i, shape (K, L, N) with the index j."""
+    """Sum (W + 1, K, N) over the modules along u, for each row of modules along v."""
 
 
 def make_pattern(white: NDArray[np.bool_]) -> Pattern:
@@ -141,7 +155,8 @@ def predict_grey(
     """
     local = _blur_along_axes(by_pixel, blur)
     sigma_u, sigma_v, r = local.sigma[:, 0], local.sigma[:, 1], local.correlation
-    step, bell, curve = _line_values(differences.astype(np.float32), _distances(differences, places, local, lines))
+    window = _window(differences, places, local)
+    step, bell, curve = _line_values(window, _distances(window, differences, places, local, lines))
     first, second = _sum(bell, bell), _sum(curve, curve)  # terms of r and of r^2 / 2
     by_u, by_v = _sum(bell, step) / sigma_u, _sum(step, bell) / sigma_v
     by_r = first + r * second
@@ -154,7 +169,11 @@ def predict_grey(
         by_v=by_v,
         by_blur=_by_blur(by_pixel, local, by_log_sigmas, by_r),
         by_growth=np.hypot(by_u * ux + by_v * vx, by_u * uy + by_v * vy),
-        by_lines=_by_lines(differences, local, step, bell) if with_lines else np.empty((len(places), 0, r.shape[1])),
+        by_lines=(
+            _by_lines(window, differences.shape[1], local, step, bell)
+            if with_lines
+            else np.empty((len(places), 0, r.shape[1]))
+        ),
     )
 
 
@@ -171,27 +190,54 @@ def _blur_along_axes(by_pixel: Floats, blur: Floats) -> _Blur:
     return _Blur(variance, sigma, covariance / (sigma[:, 0] * sigma[:, 1]))
 
 
-def _distances(differences: Floats, places: Floats, blur: _Blur, lines: Floats | None) -> Singles:
-    """Return the distances (K, 2, L, N) a_i and b_j of the pixels from the lines, limited to `_REACH`."""
-    lattice = np.arange(differences.shape[1], dtype=np.float32)[None, None]
-    if lines is not None:
-        lattice = lattice + np.pad(lines, ((0, 0), (0, 0), (1, 1))).astype(np.float32)
-    narrow = (1 / blur.sigma).astype(np.float32)
-    distances = (places.astype(np.float32)[:, :, None] - lattice[..., None]) * narrow[:, :, None]
+def _window(differences: Floats, places: Floats, blur: _Blur) -> _Window:
+    """Return the modules around each pixel; their number follows from the largest blur."""
+    markers, lines, _ = differences.shape
+    widest = float(np.nan_to_num(blur.sigma, nan=np.inf, posinf=np.inf).max(initial=0))
+    width = min(max(math.ceil(2 * _SATURATED * widest), 1), lines) if widest < lines else lines
+    first = np.clip(np.rint(np.nan_to_num(places) - (width - 1) / 2), 0, lines - width).astype(np.intp)
+    # the sum of the mixed differences above and to the left of a module is its value
+    values = np.zeros((markers, lines + 1, lines + 1), np.float32)
+    values[:, 1:, 1:] = differences.cumsum(axis=1).cumsum(axis=2)
+    index = (np.arange(markers)[:, None] * (lines + 1) + first[:, 1]) * (lines + 1) + first[:, 0]
+    steps = np.arange(width + 1)
+    offsets = steps[:, None] * (lines + 1) + steps
+    return _Window(first, values.ravel().take(index + offsets[..., None, None]))
+
+
+def _distances(window: _Window, differences: Floats, places: Floats, blur: _Blur, lines: Floats | None) -> Singles:
+    """Return the distances (W, K, 2, N) a_i and b_j of the pixels from the lines, limited to `_REACH`."""
+    lattice = window.first + np.arange(len(window.modules) - 1)[:, None, None, None]
+    offsets = np.zeros(1) if lines is None else np.pad(lines, ((0, 0), (0, 0), (1, 1)))
+    count = differences.shape[1]
+    places_of_lines = lattice.astype(np.float32)
+    if offsets.any():
+        row = np.arange(len(places))[:, None, None] * 2 + np.arange(2)[:, None]
+        places_of_lines += offsets.astype(np.float32).ravel().take(row * count + lattice)
+    distances = (places.astype(np.float32) - places_of_lines) * (1 / blur.sigma).astype(np.float32)
     return np.clip(distances, -_REACH, _REACH, out=distances)
 
 
-def _line_values(differences: Singles, distances: Singles) -> Iterator[_LineValues]:
-    """Yield the values of `step`, `bell` and `curve` at the distances (K, 2, L, N) from the lines."""
+def _line_values(window: _Window, distances: Singles) -> Iterator[_LineValues]:
+    """Yield the values of `step`, `bell` and `curve` at the distances (W, K, 2, N) from the lines."""
     index = (distances * np.float32(_RESOLUTION) + np.float32(_REACH * _RESOLUTION + 0.5)).astype(np.intp)
     bell = _BELL.take(index)
-    for values in (_STEP.take(index), bell, distances * bell):
-        yield _LineValues(values[:, 0], values[:, 1], differences @ values[:, 0])
+    for values, before in ((_STEP.take(index), 1), (bell, 0), (distances * bell, 0)):
+        # before the window, `step` is 1, and after it 0
+        whole = np.concatenate([np.full_like(values[:1], before), values, np.zeros_like(values[:1])])
+        down = whole[:-1] - whole[1:]
+        along_u, along_v = down[:, :, 0], down[:, :, 1]
+        summed = np.einsum("bakn,akn->bkn", window.modules, along_u)
+        yield _LineValues((values[:, :, 0], values[:, :, 1]), (along_u, along_v), summed)
 
 
 def _sum(f: _LineValues, g: _LineValues) -> Floats:
-    """Return the sum (K, N) of D[j, i] f(a_i) g(b_j) over all lattice points (i, j)."""
-    total: Floats = np.einsum("kin,kin->kn", f.summed, g.along_v).astype(np.float64)
+    """Return the sum (K, N) of D[j, i] f(a_i) g(b_j) over all lattice points (i, j).
+
+    It is the sum over all modules, each with its value and the decrease of f and g from one side of it to the other
+    (summation by parts).
+    """
+    total: Floats = np.einsum("bkn,bkn->kn", f.summed, g.modules[1])
     return total
 
 
@@ -214,12 +260,16 @@ def _by_blur(by_pixel: Floats, blur: _Blur, by_log_sigmas: tuple[Floats, Floats]
     )
 
 
-def _by_lines(differences: Floats, blur: _Blur, step: _LineValues, bell: _LineValues) -> Floats:
+def _by_lines(window: _Window, count: int, blur: _Blur, step: _LineValues, bell: _LineValues) -> Floats:
     """Return the derivative (K, 2 * (L - 2), N) of the grey values with respect to the offsets of the inner lines.
 
-    For line i along u, it is the sum of -D[j, i] bell(a_i) step(b_j) / su over j; for line j along v likewise over i.
+    `count` is L. For line i along u, it is the sum of -D[j, i] bell(a_i) step(b_j) / su over j; for line j along v
+    likewise over i. It is 0 for the lines outside of the window.
     """
-    narrow = (1 / blur.sigma).astype(np.float32)
-    across = np.swapaxes(differences.astype(np.float32), 1, 2) @ step.along_v  # sums over j, with the index i
-    by_u, by_v = across * bell.along_u * narrow[:, :1], step.summed * bell.along_v * narrow[:, 1:]
-    return -np.concatenate([by_u[:, 1:-1], by_v[:, 1:-1]], axis=1, dtype=np.float64)
+    across = np.einsum("bakn,bkn->akn", np.diff(window.modules, axis=1), step.modules[1])
+    values = np.stack([across * bell.lines[0], np.diff(step.summed, axis=0) * bell.lines[1]], axis=2)
+    values /= -blur.sigma.astype(np.float32)
+    by_lines = np.zeros((len(blur.sigma), 2, count, blur.sigma.shape[2]), np.float32)
+    for place, value in enumerate(values):
+        np.put_along_axis(by_lines, (window.first + place)[:, :, None], value[:, :, None], axis=2)
+    return by_lines[:, :, 1:-1].reshape(len(by_lines), -1, by_lines.shape[3])

@@ -1,8 +1,10 @@
 """Tracking of markers from frame to frame.
 
-Every few frames, the whole frame is searched quickly, and rarely thoroughly. In all frames, each marker of the previous
-frames is fitted at its predicted position. If that fails, the region around this position is searched, and then the
-whole frame. Every marker is fitted at full resolution, so the accuracy of its pose does not depend on how it was found.
+In all frames, each marker of the previous frames is fitted at its predicted position. If that fails, the region around
+this position is searched, and then the whole frame. For new markers, the whole frame is searched quickly every tenth of
+a second, and thoroughly every half second, or at once if no marker is where it was: time and evidence decide, and not
+the number of frames, because a camera may have two frames a second. Every marker is fitted at full resolution, so the
+accuracy of its pose does not depend on how it was found.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -22,14 +24,21 @@ from roverkit.vision.markers.flips import Flips
 from roverkit.vision.markers.marker_fits import Fitted, extent, fit_markers
 from roverkit.vision.markers.marker_set import MarkerSet, TargetId
 from roverkit.vision.opencv import cv2
-from roverkit.vision.poses.pnp import Corners, Solution, side_shifts, solve, square_poses, with_all_errors
+from roverkit.vision.poses.pnp import (
+    Corners,
+    Solution,
+    mixed_covariance,
+    solve,
+    square_poses,
+    with_all_errors,
+)
 from roverkit.vision.poses.pose import Pose
 from roverlink.runtime.core.errors import SetupError
 
-SCAN_EVERY = 3
-"""Number of frames between searches of the whole frame; at 30 frames a second, a new marker is seen after 0.1 s."""
-THOROUGH_EVERY = 20
-"""Number of searches of the whole frame of which one, the first, is thorough; the others are quick."""
+SCAN_S = 0.09
+"""Time in seconds between searches of the whole frame: a little less than three frames at 30 frames a second."""
+THOROUGH_S = 0.45
+"""Time in seconds between thorough searches of the whole frame: every frame of a camera with two frames a second."""
 FORGOTTEN_S = 0.5
 """Time in seconds for which a lost marker is still searched at its predicted position."""
 NEAR = 1.0
@@ -42,6 +51,8 @@ TOGETHER = 3
 
 In a single frame, something else may have been taken for a marker.
 """
+_IMPOSSIBLE = 1e-5
+"""Probability up to which the other pose of a marker does not count in the covariance."""
 _SURPRISE = 0.5
 """Error in pixels of the last prediction from the velocity above which the next one comes from the image."""
 _BENT = 0.15
@@ -70,7 +81,10 @@ class LandmarkDetection:
     pose: Pose
     """Transform from the landmark's frame to the camera's, in metres."""
     covariance: Floats
-    """Covariance (6, 6) of the pose: x y z rotX rotY rotZ, about the camera's axes; see `vision/poses/pose.py`."""
+    """Covariance (6, 6) of the pose: x y z rotX rotY rotZ, about the camera's axes; see `vision/poses/pose.py`.
+
+    It contains the possibility that the other pose is the true one, weighted by its probability.
+    """
     ambiguity: float
     """Ratio of the rejected pose's reprojection error to that of `pose`; infinity if there is only one pose.
 
@@ -89,6 +103,8 @@ class LandmarkDetection:
     They are in this frame, or they were together in `TOGETHER` earlier ones. Such a marker is never part of a board:
     `id` is its own number, and `pose` that of its own frame.
     """
+    probability: float = 1.0
+    """Probability that `pose`, and not the other pose, is the true one, by this frame and the earlier ones."""
 
 
 @dataclass(slots=True, eq=False)
@@ -103,6 +119,8 @@ class _Track:
     blur: float
     velocity: Floats = field(default_factory=lambda: np.zeros((4, 2)))
     """Velocity (4, 2) of the corners in pixels per second."""
+    change: Floats = field(default_factory=lambda: np.zeros((4, 2)))
+    """Change (4, 2) of the velocity in pixels per second; its half is an error of the velocity."""
     surprise: float = math.inf
     """Error in pixels of the last prediction from the velocity; infinity if there was none."""
     flips: Flips = field(default_factory=Flips)
@@ -112,11 +130,14 @@ class _Track:
         seconds = (stamp - self.stamp) / 1e9
         return self.corners + self.velocity * seconds, float(np.abs(self.velocity).max()) * seconds / 2
 
-    def moved(self, fitted: Fitted, stamp: int) -> None:
-        """Set what was seen at `stamp`."""
+    def moved(self, fitted: Fitted, stamp: int, row_s: float) -> None:
+        """Set what was seen at `stamp`; `row_s` is the time in seconds from one row of the image to the next one."""
         if stamp > self.stamp:
             self.surprise = float(np.abs(fitted.corners - self.predicted(stamp)[0]).max())
-            self.velocity = (fitted.corners - self.corners) / ((stamp - self.stamp) / 1e9)
+            way, seconds = fitted.corners - self.corners, (stamp - self.stamp) / 1e9
+            # A corner that has moved down is read later.
+            velocity = way / np.maximum(seconds + row_s * way[:, 1:], seconds / 2)
+            self.velocity, self.change = velocity, velocity - self.velocity
         self.fit, self.corners, self.stamp, self.blur = fitted.fit, fitted.corners, stamp, fitted.blur
 
 
@@ -139,28 +160,36 @@ class Tracker:
         camera: CameraParameters,
         markers: MarkerSet,
         *,
-        scan_every: int = SCAN_EVERY,
-        thorough_every: int = THOROUGH_EVERY,
+        scan_s: float = SCAN_S,
+        thorough_s: float = THOROUGH_S,
         uncertainty: Uncertainty = Uncertainty(),  # noqa: B008  # it is frozen
     ) -> None:
-        """Create a tracker that searches the whole frame every `scan_every` frames.
+        """Create a tracker that searches the whole frame every `scan_s` seconds, and thoroughly every `thorough_s`.
 
-        Every `thorough_every`-th of these searches is thorough; the others are quick. `uncertainty` tells the errors
-        beside the noise of the image, which the covariances contain.
+        `uncertainty` tells the errors beside the noise of the image, which the covariances contain.
         """
-        self._camera, self._markers, self._uncertainty = camera, markers, uncertainty
-        self._roots = camera_roots(camera)
+        self._markers, self._uncertainty = markers, uncertainty
         self._detector = Detector(markers)
-        self._scan_every, self._thorough_every = scan_every, thorough_every
+        self._scan_s, self._thorough_s = scan_s, thorough_s
+        self.use(camera)
         self.reset()
+
+    @property
+    def camera(self) -> CameraParameters:
+        """Parameters of the camera."""
+        return self._camera
+
+    def use(self, camera: CameraParameters) -> None:
+        """Use other parameters of the camera from the next frame on."""
+        self._camera, self._roots = camera, camera_roots(camera)
 
     def reset(self) -> None:
         """Forget all markers of earlier frames. Called when the time of the frames jumps back."""
         self._tracks: list[_Track] = []
         self._together = Counter[int]()
         self._board_flips: dict[TargetId, Flips] = {}
-        self._frames = self._scans = 0
         self._stamp = 0
+        self._scanned = self._searched = -math.inf  # stamps of the last search, and of the last thorough one
         self._before: Image | None = None
 
     def track(self, image: Image, stamp: int) -> tuple[LandmarkDetection, ...]:
@@ -176,13 +205,15 @@ class Tracker:
         landmarks = self._landmarks(self._find(grey, stamp))
         # A caller may write the next grey image into the same array.
         self._stamp, self._before = stamp, grey.copy() if image.ndim == 2 else grey
-        seen = self._seen(landmarks, len(grey))
-        found = solve(seen, _starts(landmarks))
-        return tuple(
-            self._sight(landmark, corners, solutions)
-            for landmark, corners, solutions in zip(landmarks, seen, found)
-            if solutions
+        seen = self._seen(landmarks, grey)
+        solved = [row for row in zip(landmarks, seen, solve(seen, _starts(seen))) if row[2]]
+        given = self._uncertainty
+        with_errors = with_all_errors(
+            [corners for _, corners, _ in solved],
+            [solutions[:2] for *_, solutions in solved],
+            given.side_sigma * given.covariance_scale,
         )
+        return tuple(self._sight(landmark, *known) for (landmark, *_), known in zip(solved, with_errors))
 
     def _grey(self, image: Image) -> Image:
         height, width = image.shape[:2]
@@ -204,13 +235,14 @@ class Tracker:
 
         Search the whole frame when it is time for a search, or when a marker is lost.
         """
-        due = self._frames % self._scan_every == 0
-        self._frames += 1
         seen = self._follow(grey, stamp)
         # A marker that has left the image is lost, too; `FORGOTTEN_S` limits how long frames pay for its search.
         lost = [track for track in self._tracks if track not in seen]
-        scanned = due or len(lost) > _REGIONS
-        found = self._scan(grey) if due else self._detector.scan_quickly(grey) if scanned else []
+        due = stamp - self._scanned >= self._scan_s * 1e9
+        # If no marker is where it was, the frame may show another place.
+        thorough = stamp - self._searched >= self._thorough_s * 1e9 or (due and bool(lost) and not seen)
+        scanned = due or thorough or len(lost) > _REGIONS
+        found = self._scan(grey, stamp, thorough=thorough) if scanned else []
         numbers = [detection.number for detection in _distinct(found, seen)]
         for track in lost:
             if track.number in numbers:
@@ -218,25 +250,35 @@ class Tracker:
             else:
                 found += self._detector.scan_region(grey, _region(track.predicted(stamp), grey.shape))
         if not scanned and len(_distinct(found, seen)) < len(lost):
-            found += self._detector.scan_quickly(grey)
+            found += self._scan(grey, stamp, thorough=False)
         seen += self._fit_found(grey, _distinct(found, seen), stamp)
         return seen
 
-    def _scan(self, grey: Image) -> list[MarkerDetection]:
-        thorough = self._scans % self._thorough_every == 0
-        self._scans += 1
-        return self._detector.scan(grey) if thorough else self._detector.scan_quickly(grey)
+    def _scan(self, grey: Image, stamp: int, *, thorough: bool) -> list[MarkerDetection]:
+        self._scanned = stamp
+        if not thorough:
+            return self._detector.scan_quickly(grey)
+        self._searched = stamp
+        return self._detector.scan(grey)
 
     def _follow(self, grey: Image, stamp: int) -> list[_Track]:
         """Fit the markers of earlier frames at their predicted positions; return those that are there."""
         places = self._predicted(grey, stamp)
-        guesses = [Guess(self._markers.pattern(track.number), place, track.blur) for track, place in places]
+        guesses = [self._guess(track, place) for track, place in places]
         seen: list[_Track] = []
         for (track, place), fitted in zip(places, fit_markers(grey, self._camera, guesses)):
             if fitted and np.abs(fitted.corners - place).max() <= NEAR * fitted.shrunk:
-                track.moved(fitted, stamp)
+                track.moved(fitted, stamp, self._row_s(grey))
                 seen.append(track)
         return seen
+
+    def _guess(self, track: _Track, place: Floats) -> Guess:
+        pattern, fit = self._markers.pattern(track.number), track.fit
+        return Guess(pattern, place, track.blur, fit.lines, fit.rigidity)
+
+    def _row_s(self, grey: Image) -> float:
+        """Return the time in seconds from one row of an image to the next one."""
+        return self._uncertainty.readout_time / len(grey)
 
     def _predicted(self, grey: Image, stamp: int) -> list[tuple[_Track, Floats]]:
         """Return the markers of earlier frames that are expected somewhere, with their expected corners (4, 2).
@@ -273,7 +315,7 @@ class Tracker:
                 track = _Track(detection.number, fitted.fit, fitted.corners, stamp, fitted.blur)
                 self._tracks.append(track)
             else:
-                track.moved(fitted, stamp)
+                track.moved(fitted, stamp, self._row_s(grey))
             seen.append(track)
         return seen
 
@@ -298,54 +340,66 @@ class Tracker:
             landmarks.append(_Landmark(name, group, points_of, self._board_flips.setdefault(name, Flips())))
         return landmarks
 
-    def _seen(self, landmarks: Sequence[_Landmark], height: int) -> list[Corners]:
-        """Return the corners of each landmark with their covariance; `height` is the number of rows of the image."""
+    def _seen(self, landmarks: Sequence[_Landmark], grey: Image) -> list[Corners]:
+        """Return the corners of each landmark, with their covariance, at the time of the middle row of the image."""
         tracks = [track for landmark in landmarks for track in landmark.tracks]
         if not tracks:
             return []
         given = self._uncertainty
         rays = np.concatenate([track.fit.rays for track in tracks])
         rows = np.concatenate([track.corners[:, 1] for track in tracks])
-        seconds = given.readout_time * ((rows + 0.5) / height - 0.5)
-        motion = np.concatenate([track.velocity for track in tracks]) * seconds[:, None]
+        seconds = ((rows + 0.5 - len(grey) / 2) * self._row_s(grey))[:, None]
+        motion, doubt = (
+            np.concatenate(parts) * seconds for parts in zip(*((track.velocity, track.change / 2) for track in tracks))
+        )
         floor = np.broadcast_to(given.corner_floor * np.eye(2), (len(rays), 2, 2))
-        pixels = [floor, pixels_by_camera(self._camera, self._roots, rays), motion[..., None]]
-        shifts = pixels_to_rays(self._camera, rays, np.concatenate(pixels, axis=2)) * given.covariance_scale
-        of_tracks = iter(shifts.reshape(len(tracks), 4, 2, -1))
+        pixels = [floor, pixels_by_camera(self._camera, self._roots, rays), doubt[..., None], motion[..., None]]
+        shifts = pixels_to_rays(self._camera, rays, np.concatenate(pixels, axis=2))
+        rays = rays - shifts[:, -1].reshape(-1, 2)
+        of_tracks = zip(rays.reshape(-1, 4, 2), given.covariance_scale * shifts[:, :-1].reshape(len(tracks), 4, 2, -1))
         return [
-            self._corners(landmark, np.concatenate([next(of_tracks) for _ in landmark.tracks]))
+            self._corners(landmark, *map(np.concatenate, zip(*(next(of_tracks) for _ in landmark.tracks))))
             for landmark in landmarks
         ]
 
-    def _corners(self, landmark: _Landmark, shifts: Floats) -> Corners:
-        """Return a landmark's corners; `shifts` (N, 2, S) of its rays are due to all errors, the first two its own."""
+    def _corners(self, landmark: _Landmark, rays: Floats, shifts: Floats) -> Corners:
+        """Return a landmark's corners.
+
+        `shifts` (N, 2, S) of its rays (N, 2) are due to all errors, the first two its own.
+        """
         count = len(shifts)
-        noise, own = np.zeros((count // 4, 8, count // 4, 8)), np.zeros((count, 2, count, 2))
-        marker, corner = np.arange(count // 4), np.arange(count)
-        noise[marker, :, marker] = [track.fit.covariance for track in landmark.tracks]
+        own = np.zeros((count, 2, count, 2))
+        corner = np.arange(count)
         own[corner, :, corner] = shifts[..., :2] @ shifts[..., :2].swapaxes(1, 2)
+        noise = np.zeros((count // 4, 8, count // 4, 8))
+        marker = np.arange(count // 4)
+        noise[marker, :, marker] = [track.fit.covariance for track in landmark.tracks]
         return Corners(
             points=np.concatenate(landmark.points),
-            rays=np.concatenate([track.fit.rays for track in landmark.tracks]),
+            rays=rays,
             covariance=noise.reshape(2 * count, -1) * self._uncertainty.covariance_scale**2,
             own=own.reshape(2 * count, -1),
             shared=shifts[..., 2:].reshape(2 * count, -1),
         )
 
     def _sight(self, landmark: _Landmark, seen: Corners, solutions: Sequence[Solution]) -> LandmarkDetection:
-        stamp, given = landmark.tracks[0].stamp, self._uncertainty
-        sides = side_shifts(solutions[0].pose, seen.points) * given.side_sigma * given.covariance_scale
-        seen = replace(seen, shared=np.concatenate([seen.shifts, sides], axis=1))
-        seen, solutions = with_all_errors(seen, solutions[:2])
-        chosen = landmark.flips.decide(solutions, stamp)
+        stamp = landmark.tracks[0].stamp
+        probabilities = landmark.flips.weigh(solutions, stamp)
+        chosen = probabilities.index(max(probabilities))
         best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
         other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
+        possible = [
+            (probability, solution.pose, solution.covariance)
+            for probability, solution in zip(probabilities, solutions)
+            if probability > _IMPOSSIBLE
+        ]
         return LandmarkDetection(
             id=landmark.id,
             stamp=stamp,
             corners=np.concatenate([track.corners for track in landmark.tracks]),
             pose=best.pose,
-            covariance=best.covariance,
+            covariance=mixed_covariance(best.pose, possible),
+            probability=probabilities[chosen],
             ambiguity=other / max(best.error, 1e-12),
             error=best.error * focal,
             seen=seen,
@@ -384,11 +438,11 @@ def _region(predicted: tuple[Floats, float], shape: tuple[int, ...]) -> Region:
     return Region(int(left), int(top), max(int(right), 0), max(int(bottom), 0))
 
 
-def _starts(landmarks: Sequence[_Landmark]) -> list[list[Pose]]:
+def _starts(seen: Sequence[Corners]) -> list[list[Pose]]:
     """Return the start poses for each landmark: the possible poses of its single markers."""
-    if not landmarks:
+    if not seen:
         return []
-    points = np.stack([points for landmark in landmarks for points in landmark.points])
-    rays = np.stack([track.fit.rays for landmark in landmarks for track in landmark.tracks])
+    points = np.concatenate([corners.points.reshape(-1, 4, 3) for corners in seen])
+    rays = np.concatenate([corners.rays.reshape(-1, 4, 2) for corners in seen])
     poses = iter(square_poses(points, rays))
-    return [[pose for _ in landmark.tracks for pose in next(poses)] for landmark in landmarks]
+    return [[pose for _ in range(len(corners.points) // 4) for pose in next(poses)] for corners in seen]

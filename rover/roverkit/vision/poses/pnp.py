@@ -17,7 +17,7 @@ from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.markers.marker_set import square
 from roverkit.vision.opencv import cv2
 from roverkit.vision.poses.chi_squared import chi2_limit
-from roverkit.vision.poses.pose import Pose, predict, predict_all, rotation_of
+from roverkit.vision.poses.pose import Pose, predict_all, rotation_of
 
 # cv2.solvePnP gives no covariance, takes no weights, and IPPE needs all corners in one plane, which a board's markers
 # may not be. From the same corners of single markers, OpenCV's refinement is nearly as good: the median error of the
@@ -273,53 +273,74 @@ def _invertible(matrices: Floats) -> NDArray[np.bool_]:
     return invertible
 
 
-def with_all_errors(corners: Corners, solutions: Sequence[Solution]) -> tuple[Corners, list[Solution]]:
-    """Return the corners and solutions with covariances that contain all errors of the corners.
+def with_all_errors(
+    seen: Sequence[Corners], found: Sequence[Sequence[Solution]], side_sigma: float = 0.0
+) -> list[tuple[Corners, list[Solution]]]:
+    """Return the corners of each landmark and its solutions, with covariances that contain all errors of the corners.
 
     The poses were fitted to the noise of the image alone. Their covariances become larger if the best chi squared is
-    larger than chance explains: then there are errors that no covariance contains.
+    larger than chance explains: then there are errors that no covariance contains. `side_sigma` is the standard
+    deviation of the size of all landmarks, as a fraction. The solutions are returned best fit first, by all errors.
     """
-    factor = _excess(_chi2(corners, solutions[0].pose), corners)
-    noise = _excess(solutions[0].chi2, corners)
-    known = [
-        replace(solution, covariance=factor * _covariance(corners, solution), chi2=solution.chi2 / noise)
-        for solution in solutions
-    ]
-    larger = replace(
-        corners,
-        covariance=corners.covariance * factor,
-        own=None if corners.own is None else corners.own * factor,
-        shared=None if corners.shared is None else corners.shared * factor**0.5,
-    )
-    return larger, known
+    results: dict[int, tuple[Corners, list[Solution]]] = {}
+    groups: dict[int, list[int]] = {}
+    for owner, corners in enumerate(seen):
+        groups.setdefault(len(corners.points), []).append(owner)
+    for owners in groups.values():
+        # Those with the same number of corners together, because numpy is slow on small arrays.
+        rows = [(owner, solution) for owner in owners for solution in found[owner]]
+        rotation = np.stack([solution.pose.rotation for _, solution in rows])
+        points = np.stack([seen[owner].points for owner, _ in rows])
+        rays, derivative = predict_all(rotation, np.stack([solution.pose.translation for _, solution in rows]), points)
+        larger = (derivative[..., :3] @ (points @ np.swapaxes(rotation, 1, 2))[..., None]).reshape(len(rows), -1, 1)
+        firsts = [next(row for row, (other, _) in enumerate(rows) if other == owner) for owner in owners]
+        shifts = dict(zip(owners, side_sigma * larger[firsts]))
+        shared = {owner: np.concatenate([seen[owner].shifts, shifts[owner]], axis=1) for owner in owners}
+        whole = np.stack([seen[owner].own_covariance + shared[owner] @ shared[owner].T for owner, _ in rows])
+        by_pose = derivative.reshape(len(rows), -1, 6)
+        weighed = np.swapaxes(by_pose, 1, 2) @ np.linalg.inv(whole)
+        missed = np.stack([seen[owner].rays for owner, _ in rows]).reshape(len(rows), -1, 1) - rays.reshape(
+            len(rows), -1, 1
+        )
+        # chi squared of the pose that fits best if all errors are considered, near the pose
+        left = missed - by_pose @ np.linalg.solve(weighed @ by_pose, weighed @ missed)
+        chi2 = (left * np.linalg.solve(whole, left)).sum(axis=(1, 2))
+        image = np.stack([seen[owner].covariance for owner, _ in rows])
+        alone = np.stack([solution.covariance for _, solution in rows])
+        gain = alone @ np.swapaxes(np.linalg.solve(image, by_pose), 1, 2)
+        covariance = gain @ whole @ np.swapaxes(gain, 1, 2)
+        covariance = (covariance + np.swapaxes(covariance, 1, 2)) / 2
+        for owner in owners:
+            mine = [row for row, (other, _) in enumerate(rows) if other == owner]
+            factor = _excess(float(chi2[mine].min()), seen[owner])
+            known = [
+                replace(rows[row][1], covariance=factor * covariance[row], chi2=float(chi2[row]) / factor)
+                for row in mine
+            ]
+            corners, own = seen[owner], seen[owner].own
+            wider = replace(
+                corners,
+                covariance=corners.covariance * factor,
+                own=None if own is None else own * factor,
+                shared=shared[owner] * factor**0.5,
+            )
+            results[owner] = wider, sorted(known, key=lambda solution: solution.chi2)
+    return [results[owner] for owner in range(len(seen))]
 
 
-def side_shifts(pose: Pose, points: Floats) -> Floats:
-    """Return the shifts (2N, 1) of the rays of points (N, 3) if their landmark is larger by 100 %."""
-    _, derivative = predict(pose, points)
-    shifts: Floats = (derivative[:, :, :3] @ (points @ pose.rotation.T)[..., None]).reshape(-1, 1)
-    return shifts
+def mixed_covariance(pose: Pose, possible: Sequence[tuple[float, Pose, Floats]]) -> Floats:
+    """Return the covariance (6, 6) of the error of `pose`, if the true pose is one of several.
+
+    Each possible pose has its probability, and its own covariance (6, 6).
+    """
+    whole = np.zeros((6, 6))
+    for probability, other, covariance in possible:
+        change = pose.change_to(other)
+        whole += probability * (covariance + np.outer(change, change))
+    return whole
 
 
 def _excess(chi2: float, corners: Corners) -> float:
     """Return the factor by which covariances are too small; 1 if chi squared can be chance."""
     freedom = corners.rays.size - 6
     return chi2 / freedom if chi2 > chi2_limit(freedom) else 1.0
-
-
-def _chi2(corners: Corners, pose: Pose) -> float:
-    """Return chi squared of the pose that fits best if all errors are considered, near a pose."""
-    rays, derivative = predict(pose, corners.points)
-    precision = np.linalg.inv(corners.whole_covariance)
-    missed, by_pose = (corners.rays - rays).ravel(), derivative.reshape(-1, 6)
-    left = missed - by_pose @ np.linalg.solve(by_pose.T @ precision @ by_pose, by_pose.T @ precision @ missed)
-    return float(left @ precision @ left)
-
-
-def _covariance(corners: Corners, solution: Solution) -> Floats:
-    """Return the covariance (6, 6) of a pose that was fitted to the noise of the image alone."""
-    _, derivative = predict(solution.pose, corners.points)
-    gain = solution.covariance @ np.linalg.solve(corners.covariance, derivative.reshape(-1, 6)).T
-    covariance: Floats = gain @ corners.whole_covariance @ gain.T
-    symmetric: Floats = (covariance + covariance.T) / 2
-    return symmetric

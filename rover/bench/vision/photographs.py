@@ -1,0 +1,150 @@
+"""Section `photographs`: markers on photographs that nobody of this project took, beside plain OpenCV.
+
+Rendered frames share assumptions with the programs that read them; photographs do not. `board/` holds photographs of a
+printed board of known geometry, and `room/` photographs with the markers that a person listed. They are not part of the
+project, so the section is left out where they are missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from roverkit.vision.camera.camera_model import CameraParameters, Floats
+from roverkit.vision.images.rendering import Grey
+from roverkit.vision.markers.marker_set import MarkerSet
+from roverkit.vision.markers.tracker import Tracker
+
+from bench.result import Group, SectionResult, Table
+from rover.bench.vision.contestants import OURS, REFINEMENTS, plain_detector
+
+PHOTOS = Path(__file__).parents[4] / "shared" / "photos"
+ROOM, ROOM_TAGS = "room", "DICT_APRILTAG_36h11"
+BOARD, BOARD_MARKERS = "board", "DICT_6X6_1000"
+_COLUMNS, _ROWS = 4, 5
+_SIDE, _PITCH = 0.0425 * 196 / 221, 0.0425  # metres: in the printed file, a marker has 196 pixels and a gap 25
+_APRILTAG_SHIFT = 0.46 if cv2.__version__.startswith("5") else 0.0
+"""Shift in pixels of the corners of OpenCV 5.0 with the refinement APRILTAG, along x and y; it is a bug of OpenCV."""
+
+Corners = Mapping[int, Floats]
+"""Corners (4, 2) in pixels of each marker in a photograph, by its number."""
+Finder = Callable[[Grey], Corners]
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """Markers on the photographs of a room: how many a person listed, were found, and were found but not listed."""
+
+    contestant: str
+    listed: int
+    found: int
+    false: int
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """Agreement of the corners of a board with its geometry, after a calibration with the same corners."""
+
+    contestant: str
+    markers: int
+    rms: float
+    """Root mean square distance in pixels between a corner and its place."""
+
+
+def measure(say: Callable[[str], None], folder: Path = PHOTOS) -> SectionResult:
+    """Measure all contestants on the photographs in a folder."""
+    tables, found, fits = [], list[Found](), list[Fit]()
+    if not folder.is_dir():
+        say(f"photographs: left out, because the folder {folder} is missing")
+        return SectionResult(tables, (), {})
+    found = [find(folder / ROOM, name) for name in (OURS, "OpenCV")]
+    say("photographs of a room: done")
+    fits = [fit(folder / BOARD, name) for name in (OURS, *REFINEMENTS)]
+    rows = [[one.contestant, str(one.listed), str(one.found), str(one.false)] for one in found]
+    columns = ("", "listed", "found", "not listed")
+    tables.append(Table("Markers on photographs of a room, one frame each", columns, [Group("", rows)]))
+    rows = [[one.contestant, str(one.markers), f"{one.rms:.3f}"] for one in fits]
+    notes = ["RMS of the distances between corners and board, after a calibration with these corners."]
+    tables.append(Table("Corners on photographs of a printed board", ("", "markers", "RMS px"), [Group("", rows)], notes))
+    return SectionResult(tables, (), {"room": [asdict(one) for one in found], "board": [asdict(one) for one in fits]})
+
+
+def find(folder: Path, contestant: str) -> Found:
+    """Compare the markers that a contestant finds in the photographs of a folder with those in its `markers.txt`."""
+    listed = found = false = 0
+    look: Finder | None = None
+    for line in (folder / "markers.txt").read_text(encoding="utf-8").splitlines():
+        name, *ids = line.split()
+        image, there = _photograph(folder / name), set(map(int, ids))
+        look = look or finder(contestant, ROOM_TAGS, _guessed(image))
+        seen = set(look(image))
+        listed, found, false = listed + len(there), found + len(seen & there), false + len(seen - there)
+    return Found(contestant, listed, found, false)
+
+
+def fit(folder: Path, contestant: str) -> Fit:
+    """Return how well the corners that a contestant finds in photographs of the board agree with its geometry."""
+    paths = sorted(folder.glob("*.jpg"))
+    first = _photograph(paths[0])
+    camera = _guessed(first)
+    if contestant == OURS:  # a camera is needed before the corners; that of OpenCV's corners is good enough
+        rough = finder("OpenCV SUBPIX", BOARD_MARKERS, camera)
+        camera = _calibrated([rough(_photograph(path)) for path in paths[::3]], camera)[0]
+    look = finder(contestant, BOARD_MARKERS, camera)
+    seen = [look(_photograph(path)) for path in paths]
+    _, rms = _calibrated(seen, camera)
+    return Fit(contestant, sum(len(_on_board(corners)) for corners in seen), rms)
+
+
+def finder(contestant: str, dictionary: str, camera: CameraParameters) -> Finder:
+    """Return a function that finds markers in single photographs."""
+    if contestant == OURS:
+        tracker = Tracker(camera, MarkerSet(dictionary, side=_SIDE))
+
+        def ours(image: Grey) -> Corners:
+            tracker.reset()
+            return {one.id: one.corners for one in tracker.track(image, 0) if isinstance(one.id, int)}
+
+        return ours
+    detector = plain_detector(REFINEMENTS[contestant], getattr(cv2.aruco, dictionary))
+    shift = _APRILTAG_SHIFT if contestant.endswith("APRILTAG") else 0.0
+
+    def plain(image: Grey) -> Corners:
+        corners, numbers, _ = detector.detectMarkers(image)
+        found = [] if numbers is None else np.reshape(numbers, -1).tolist()
+        return {number: np.reshape(corner, (4, 2)).astype(float) - shift for number, corner in zip(found, corners)}
+
+    return plain
+
+
+def _photograph(path: Path) -> Grey:
+    return np.asarray(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE), np.uint8)
+
+
+def _guessed(image: Grey) -> CameraParameters:
+    height, width = image.shape
+    return CameraParameters(np.array([[width, 0, width / 2], [0, width, height / 2], [0, 0, 1]]), np.zeros(5), (width, height))
+
+
+def _on_board(corners: Corners) -> list[int]:
+    return [number for number in corners if number < _COLUMNS * _ROWS]
+
+
+def _calibrated(seen: list[Corners], guess: CameraParameters) -> tuple[CameraParameters, float]:
+    """Calibrate with OpenCV; return the camera, and the RMS of the residuals' lengths in pixels."""
+    objects, images = [], []
+    for corners in seen:
+        if numbers := _on_board(corners):
+            objects.append(np.concatenate([_place(number) for number in numbers]).astype(np.float32))
+            images.append(np.concatenate([corners[number] for number in numbers]).astype(np.float32))
+    rms, matrix, distortion, *_ = cv2.calibrateCamera(objects, images, guess.size, None, None)  # type: ignore[call-overload, arg-type]  # the stubs demand arrays that may be None
+    return CameraParameters(matrix, np.ravel(distortion)[:5], guess.size), float(rms)
+
+
+def _place(number: int) -> Floats:
+    row, column = divmod(number, _COLUMNS)
+    corner = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) * _SIDE
+    return corner + np.array([column, row, 0]) * _PITCH

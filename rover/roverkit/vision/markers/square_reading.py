@@ -1,0 +1,83 @@
+"""Reading of the markers in squares that a detector has found and could not read.
+
+OpenCV reads a cell of a marker from the share of its pixels that are white, and gives up when a few cells are covered,
+blurred or shaded. Here, each cell is the mean of some points around its centre, which keep away from its neighbours. A
+wrong reading is possible; the edge fit, which compares all edges of the pattern with the image, rejects it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roverkit.vision.camera.camera_model import Floats
+from roverkit.vision.markers.edge_samples import apply, homographies
+from roverkit.vision.opencv import cv2
+
+_NEAR = (-0.2, 0.0, 0.2)
+"""Distances of the points from the centre of a cell, along both sides, in cells."""
+_CONTRAST = 8.0
+"""Least difference between the means of white and black cells, in grey levels."""
+_BORDER = 0.2
+"""Largest share of the cells of the black border that may be white, because something covers them."""
+
+
+class SquareReader:
+    """Reads the markers of one dictionary."""
+
+    def __init__(self, white: NDArray[np.bool_], correctable: int) -> None:
+        """Read the markers whose cells inside the border are `white` (D, n, n), with at most `correctable` wrong ones."""
+        self._cells = white.shape[1] + 2
+        self._correctable = correctable
+        turned = np.stack([np.rot90(white, turns, axes=(1, 2)) for turns in range(4)], axis=1)
+        self._signs = np.where(turned.reshape(4 * len(white), -1), np.float32(1), np.float32(-1))
+        steps = ((np.arange(self._cells)[:, None] + 0.5 + np.array(_NEAR)) * (2 / self._cells) - 1).ravel()
+        u, v = np.meshgrid(steps, steps)
+        self._points = np.stack([u.ravel(), v.ravel()])
+        inside = np.zeros((self._cells, self._cells), dtype=bool)
+        inside[1:-1, 1:-1] = True
+        self._inside = inside.ravel()
+
+    def read(self, image: NDArray[np.uint8], squares: Sequence[Floats]) -> list[tuple[int, Floats]]:
+        """Return the numbers of the markers in squares of a grey image (H, W), and their corners (4, 2) in OpenCV's order.
+
+        The corners (4, 2) of a square are in pixels, clockwise from any of them.
+        """
+        if not squares:
+            return []
+        corners = np.stack([np.reshape(square, (4, 2)) for square in squares]).astype(float)
+        with np.errstate(all="ignore"):
+            places, _ = apply(homographies(corners.transpose(0, 2, 1)), self._points[None])
+        x, y = np.nan_to_num(places).astype(np.float32).transpose(1, 0, 2).copy()
+        grey = cv2.remap(image, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        near = len(_NEAR)
+        cells = grey.reshape(-1, self._cells, near, self._cells, near).mean(axis=(2, 4)).reshape(len(corners), -1)
+        white, contrast = _split(cells)
+        usable = (contrast > _CONTRAST) & (white[:, ~self._inside].mean(axis=1) <= _BORDER)
+        agreement = np.where(white[:, self._inside], np.float32(1), np.float32(-1)) @ self._signs.T
+        best = agreement.argmax(axis=1)
+        usable &= agreement.max(axis=1) >= self._signs.shape[1] - 2 * self._correctable
+        # A pattern that is turned by 90 degrees has its first corner where the second one was.
+        return [
+            (int(best[place]) // 4, np.roll(corners[place], int(best[place]) % 4, axis=0))
+            for place in np.flatnonzero(usable).tolist()
+        ]
+
+
+def _split(cells: Floats) -> tuple[NDArray[np.bool_], Floats]:
+    """Divide the grey values (R, N) of cells into black and white ones (Otsu, 1979).
+
+    Returns a mask (R, N) of the white cells, and the difference (R,) between the means of both classes.
+    """
+    ordered = np.sort(cells, axis=1)
+    count = np.arange(1, cells.shape[1])
+    sums = np.cumsum(ordered, axis=1)
+    low = sums[:, :-1] / count
+    high = (sums[:, -1:] - sums[:, :-1]) / (cells.shape[1] - count)
+    between = count * (cells.shape[1] - count) * (high - low) ** 2
+    best = between.argmax(axis=1)
+    row = np.arange(len(cells))
+    limit = (ordered[row, best] + ordered[row, best + 1]) / 2
+    return cells > limit[:, None], (high - low)[row, best]
