@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import resource
 import subprocess
 import sys
@@ -15,6 +16,8 @@ import threading
 import time
 from contextlib import ExitStack
 from pathlib import Path
+from string import Template
+from tempfile import TemporaryDirectory
 from typing import IO, cast
 
 import numpy as np
@@ -33,6 +36,12 @@ GSTREAMER = (
     "key-int-max=30 ! rtph264pay pt=96 config-interval=1 ! udpsink host=$host port=$port sync=false"
 )
 """GStreamer's part of the comparison: the rover's pipeline, with the key frames that a late receiver needs."""
+_SOURCE = (
+    "multifilesrc location={file} loop=true ! rawvideoparse format=bgr width={width} height={height} "
+    "framerate={rate}/1 ! clocksync ! "
+)
+"""Source of a pipeline that no program feeds: it reads the images of the film from memory (the cache of the file)."""
+_STARTED_S = 3.0
 _RECEIVER = (
     "udpsrc port={port} caps=application/x-rtp,media=video,encoding-name=H264,payload=96 ! "
     "rtpjitterbuffer latency=50 ! rtph264depay ! avdec_h264 ! videoconvert ! video/x-raw,format=BGR ! "
@@ -81,6 +90,32 @@ def send(options: argparse.Namespace) -> None:
     print(json.dumps({"times": times, "cpu": cpu}))
 
 
+def native(options: argparse.Namespace) -> None:
+    """Let GStreamer send the film without a program that feeds it, and measure its CPU after its start."""
+    images, (width, height) = film(options.size, options.film), options.size
+    values = {"host": HOST, "port": options.port[0], "bitrate": round(options.bitrate)}
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "film.bgr"
+        file.write_bytes(b"".join(numbered(images, number).tobytes() for number in range(len(images))))
+        source = _SOURCE.format(file=file, width=width, height=height, rate=round(options.rate))
+        words = ["gst-launch-1.0", "-q", *(source + Template(GSTREAMER).substitute(values)).split()]
+        with subprocess.Popen(words) as process:  # noqa: S603  # our own pipeline
+            time.sleep(_STARTED_S)
+            used = _cpu(process)
+            time.sleep(options.seconds)
+            cpu = _cpu(process) - used
+            process.terminate()
+    print(json.dumps({"times": {}, "cpu": cpu}))
+
+
+def _cpu(process: subprocess.Popen[bytes]) -> float:
+    """Return the CPU time of a process in seconds. Raises `RuntimeError` if it has ended."""
+    if process.poll() is not None:
+        raise RuntimeError("GStreamer has ended")
+    fields = Path(f"/proc/{process.pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def receive(options: argparse.Namespace) -> None:
     """Receive for some seconds."""
     times: dict[int, int] = {}
@@ -126,7 +161,7 @@ def _gstreamer(options: argparse.Namespace) -> tuple[dict[int, int], float]:
 
 def _arguments(words: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser()
-    parser.add_argument("job", choices=("send", "receive"))
+    parser.add_argument("job", choices=("send", "native", "receive"))
     parser.add_argument("kind", choices=("roverlink", "gstreamer"))
     parser.add_argument("--port", type=int, nargs="+", required=True)
     parser.add_argument("--seconds", type=float, required=True)
@@ -143,4 +178,4 @@ def _arguments(words: list[str]) -> argparse.Namespace:
 
 if __name__ == "__main__":
     chosen = _arguments(sys.argv[1:])
-    (send if chosen.job == "send" else receive)(chosen)
+    {"send": send, "native": native, "receive": receive}[chosen.job](chosen)

@@ -16,6 +16,8 @@ Send = Callable[[bytes], None]
 
 _LATE = 1200
 """Bytes that the link may catch up with if the thread wakes late: one packet, for which a command waits at most."""
+_SHORTEST_S = 0.001
+"""Shortest time in seconds that is slept: on a fast link, waking for each packet would cost more than it spreads."""
 
 
 class PacedLink:
@@ -35,6 +37,8 @@ class PacedLink:
 
     def add(self, send: Send, packets: Sequence[bytes], *, first: bool = False) -> None:
         """Queue packets of a stream, which its function `send` will send; with `first`, before those that wait."""
+        if not packets:  # a receiver may ask for packets that nobody remembers any more
+            return
         with self._news:
             queue = self._queues.setdefault(send, deque())
             if first:
@@ -79,6 +83,6 @@ class PacedLink:
                 self._bytes -= len(packet)
             now = time.monotonic()
             free = max(free, now - _LATE * self._byte_s) + len(packet) * self._byte_s
-            if free > now:
+            if free - now >= _SHORTEST_S:
                 time.sleep(free - now)
             send(packet)

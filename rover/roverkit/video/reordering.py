@@ -57,6 +57,10 @@ class Reordering:
         self._gaps: dict[int, _Gap] = {}
         self._transit: float | None = None
 
+    def begins(self, packet: RtpPacket) -> bool:
+        """Return true if counting starts again with a packet: it is of another run, or far from the newest one."""
+        return packet.ssrc != self.ssrc or abs(self._nearest(packet) - self.arrivals.highest) > _JUMP
+
     def add(self, packet: RtpPacket, now: int) -> Iterator[tuple[RtpPacket, int]]:
         """Take a packet that has arrived; yield the packets whose turn it is, each with the number lost before it."""
         number = self._extended(packet)
@@ -108,13 +112,15 @@ class Reordering:
 
     def _extended(self, packet: RtpPacket) -> int | None:
         """Return the packet's number beyond 16 bits; None for a repetition, or if it is too late."""
-        if packet.ssrc != self.ssrc:
+        if self.begins(packet):
             return self._restart(packet)
-        last = self.arrivals.highest
-        number = last + (packet.sequence - last + _SEQUENCES // 2) % _SEQUENCES - _SEQUENCES // 2
-        if abs(number - last) > _JUMP:
-            return self._restart(packet)
+        number = self._nearest(packet)
         return None if number < self._next or number in self._waiting else number
+
+    def _nearest(self, packet: RtpPacket) -> int:
+        """Return the packet's number beyond 16 bits that is nearest to the newest one."""
+        last = self.arrivals.highest
+        return last + (packet.sequence - last + _SEQUENCES // 2) % _SEQUENCES - _SEQUENCES // 2
 
     def _restart(self, packet: RtpPacket) -> int:
         """Begin with a packet of another run of the sender."""

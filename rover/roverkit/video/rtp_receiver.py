@@ -126,10 +126,10 @@ class RtpReceiver:
         packet = read_packet(data)
         if packet is None:
             return
-        if self._order.ssrc not in (None, packet.ssrc):
-            # The images of two senders on one port would replace each other all the time.
-            if now - self._heard < SILENT_S:
-                return
+        # The images of two senders on one port would replace each other all the time.
+        if self._order.ssrc not in (None, packet.ssrc) and now - self._heard < SILENT_S:
+            return
+        if self._order.begins(packet):
             self._begin()
         self._heard, self._source = now, address
         yield from self._ended(self._order.add(packet, time.monotonic_ns()))

@@ -16,8 +16,8 @@ from roverkit.vision.markers.detection import Image
 from roverlink.runtime.core.errors import MiddlewareError, SetupError
 from roverlink.runtime.ros_time.clock import Clock
 
-FIRST_PAUSE_S, LONGEST_PAUSE_S = 1.0, 8.0
-"""Times in seconds after which a source that could not be opened is tried again; the pause doubles each time."""
+PAUSE_S = 0.5
+"""Time in seconds after which a source that could not be opened is tried again."""
 _WORKED = 30
 """Number of images after which a source that fails has worked before."""
 _SAID_S = 5.0
@@ -111,7 +111,7 @@ class SentStream:
             self._source, self._output = source, output
 
     def _run(self) -> None:
-        pause, last = FIRST_PAUSE_S, ""
+        last = ""
         while not self._ending:
             settings = self._settings
             try:
@@ -122,16 +122,13 @@ class SentStream:
                     if self._is_current(settings) and not self._ending:
                         self.finished.set()
             except (SetupError, MiddlewareError) as error:
-                if self.sent.images >= _WORKED:
-                    pause, last = FIRST_PAUSE_S, ""
-                if str(error) != last:
+                if str(error) != last or self.sent.images >= _WORKED:
                     self._say(f"{settings.name}: {error}; trying again and again")
                 last = str(error)
-                self._wait(pause, settings)
-                pause = min(2 * pause, LONGEST_PAUSE_S)
+                self._wait(PAUSE_S, settings)
             finally:
                 with self._news:
-                    self._source = None
+                    self._source = self._output = None
                 self._opened.close()
             if self.finished.is_set() or not settings.running:
                 self._wait(None, settings)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import socket
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -22,9 +23,12 @@ av = pytest.importorskip("av", reason=NO_AV)
 from roverkit.video import reordering, video_output  # noqa: E402
 from roverkit.video.decoder import Decoder  # noqa: E402
 from roverkit.video.encoder import Encoder, fitted  # noqa: E402
+from roverkit.video.h264 import NalType  # noqa: E402
 from roverkit.video.link_quality import LinkQualities  # noqa: E402
 from roverkit.video.packet_pacing import PacedLink  # noqa: E402
 from roverkit.video.rate_control import Plan, RateControl  # noqa: E402
+from roverkit.video.rtcp import Missing, ReceiverReport, read_reports  # noqa: E402
+from roverkit.video.rtp import RtpPacket  # noqa: E402
 from roverkit.video.rtp_receiver import ReceivedUnit, RtpReceiver  # noqa: E402
 from roverkit.video.stream_file import StreamFiles  # noqa: E402
 from roverkit.video.stream_settings import StreamSettings  # noqa: E402
@@ -246,6 +250,50 @@ def test_streams_take_turns_on_the_link() -> None:
         wait_until(lambda: len(sent) == 8, "all packets")
     assert sent == [b"1-", b"2a", b"1a", b"2b", b"1b", b"2c", b"2d", b"2e"]
     assert link.delay == 0
+
+
+def test_a_request_for_forgotten_packets_stops_nothing() -> None:
+    """A receiver that was busy for seconds asks for packets that are no longer kept; the link goes on sending."""
+    with _Receiving() as receiving, _sender(receiving.port) as output:
+        _put(output, _image(0))
+        receiving.wait_for(1)
+        order, source = receiving.receiver._order, receiving.receiver._source
+        assert order.ssrc is not None
+        assert source is not None
+        output._sender._take(Missing(1, order.ssrc, ((order.arrivals.highest + 9) % 2**16,)))
+        _put(output, _image(1), first=1)
+        receiving.wait_for(2)
+
+
+def test_a_long_outage_is_a_new_beginning() -> None:
+    """The counts begin again, also in the reports; an image is not intact before the next key frame."""
+    with RtpReceiver(_HOST, 0) as receiver, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.settimeout(30)
+        units = receiver.units()
+
+        def received(*packets: RtpPacket) -> list[ReceivedUnit]:
+            for packet in packets:
+                sender.sendto(packet.encode(), (_HOST, receiver.port))
+            found: list[ReceivedUnit] = []
+            wait_until(lambda: found.extend(filter(None, [next(units)])) or len(found) == len(packets), "the images")
+            return found
+
+        def packet(sequence: int, kind: NalType) -> RtpPacket:
+            return RtpPacket(sequence, 3000 * sequence, 7, True, bytes([kind, 1]))
+
+        received(packet(10, NalType.SLICE), packet(13, NalType.SLICE))
+        assert receiver.arrivals.lost == 2
+        (late,) = received(packet(9000, NalType.SLICE))
+        assert (late.restarted, late.intact) == (True, False)
+        assert receiver.arrivals.lost == 0
+        receiver._last_report = -1e9
+        next(units)
+        reports = []
+        while not reports:
+            reports = [one for one in read_reports(sender.recv(2000)) if isinstance(one, ReceiverReport)]
+            if reports and reports[-1].highest != 9000:
+                reports = []
+        assert (reports[-1].lost, reports[-1].fraction_lost) == (0, 0)
 
 
 def test_the_video_takes_what_the_telemetry_leaves_of_a_budget() -> None:

@@ -1,7 +1,7 @@
 """Live sources of frames: cameras and network streams.
 
 A thread reads every frame and stamps it as soon as the frame arrives, so that no frame waits in a queue. An iteration
-gets the newest frame. If a source stalls or ends, it is opened again; the pause doubles after each attempt.
+gets the newest frame. If a source stalls or ends, it is opened again as soon as that is possible.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ V4L2, the camera interface of Linux, has its own limit of ten seconds.
 """
 OPENING_S = 5.0
 """Longest time in seconds that a stream may take to answer."""
-FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.5, 8.0
+PAUSE_S = 0.5
+"""Time in seconds between two attempts to open a source again. Whoever drives the rover waits for the picture."""
 _OLDEST_S = 1.0  # an older driver stamp comes from another clock
 _CLOSING_S = STALLED_S + 1.0  # the process would abort if it ended while a thread still waits for a stream
 _NEWEST_SINK = "videoconvert ! video/x-raw, format=BGR ! appsink drop=true max-buffers=1 sync=false"
@@ -110,15 +111,16 @@ class LiveSource:
         """
         what = f"has stalled: no frame for {waited:.0f} s" if waited > STALLED_S / 2 else "has ended"
         self._say(f"{self.name} {what}; opening it again")
-        lost, pause = time.monotonic(), FIRST_PAUSE_S
+        lost, said = time.monotonic(), False
         self._capture.release()
-        while not self._closed.wait(pause):
+        while not self._closed.wait(PAUSE_S):
             self._capture = self._connect()
             if self._capture is not None and self._take():
                 self._say(f"{self.name} is back after {time.monotonic() - lost:.1f} s")
                 return
-            pause = min(2 * pause, LONGEST_PAUSE_S)
-            self._say(f"{self.name} is not available; trying again in {pause:g} s")
+            if not said:
+                said = True
+                self._say(f"{self.name} is not available; trying again every {PAUSE_S:g} s")
 
 
 def _age_ns(capture: Any) -> int:
