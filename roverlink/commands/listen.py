@@ -37,8 +37,7 @@ from roverlink.generated_code import load_project
 from roverlink.runtime import DatagramError, Registry, SetupError, Translator
 from roverlink.runtime.core.envelope import payload_numbers, restore
 from roverlink.runtime.net import udp
-from roverlink.runtime.net.carrier import Carrier
-from roverlink.runtime.net.transports import transport_at
+from roverlink.runtime.net.carrier import line_at
 from roverlink.runtime.text.values import payload_to_values
 from roverlink.transport_addresses import names_transport
 
@@ -87,13 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _opened(address: str, port: int | None, stack: contextlib.ExitStack) -> tuple[socket.socket, str]:
     """Return the socket at which datagrams arrive, and the line over which they come; empty if there is none."""
     if names_transport(address):
-        sock = stack.enter_context(udp.bind("127.0.0.1", 0, _RECEIVE_BUFFER))
-        carrier = Carrier(
-            transport_at(address), sock, lambda why: print_note(f"{address}: {why or 'there is a connection'}")
-        )
-        stack.callback(carrier.close)
-        carrier.start()
-        return sock, address
+        line = line_at(address, lambda why: print_note(f"{address}: {why or 'there is a connection'}"))
+        return stack.enter_context(line)[0], address
     if port is None:
         raise SetupError("give the UDP port with --port, or a line with --address, such as serial:/dev/ttyACM0")
     sock = stack.enter_context(udp.bind(address, port, _RECEIVE_BUFFER))

@@ -18,17 +18,15 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from roverlink.runtime.bridge.account import Account, ThrottledWarnings
-from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch, Send
-from roverlink.runtime.bridge.to_topic import Drop, InboundRow
+from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch
+from roverlink.runtime.bridge.to_topic import InboundRow
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
 from roverlink.runtime.core.handler import RowRequest, RowService
 from roverlink.runtime.core.messages import Message, fields_of
 from roverlink.runtime.core.registry import AnyHandler, Registry
 from roverlink.runtime.core.repeater import Fate, Repeater, Responses
-from roverlink.runtime.core.translator import Translator
-from roverlink.runtime.middleware import Middleware, Publisher, Respond, ServiceClient, Subscription
+from roverlink.runtime.middleware import Middleware, Respond, ServiceClient, Subscription
 
 _ERROR = "error"  # field of each service's response
 _STOPPING = "the bridge stops"
@@ -83,25 +81,16 @@ def in_python(exchanges: Mapping[str, Exchange]) -> dict[str, str]:
     return dict.fromkeys([name for name in exchanges if name not in outgoing], _IN_PYTHON)
 
 
-def inbound_row(
-    exchange: Exchange, handler: AnyHandler, publisher: Publisher, account: Account, drop: Drop
-) -> InboundRow:
-    """Return the row of a request or of a response that comes from a peer."""
+def inbound_row(exchange: Exchange, handler: AnyHandler, *given: Any) -> InboundRow:
+    """Return the row of a request or of a response that comes from a peer; ``given`` is what an `InboundRow` needs."""
     kind = RequestFromPeer if handler is exchange.request else ResponseFromPeer
-    return kind(exchange, handler.route, publisher, account, drop)
+    return kind(exchange, handler.route, *given)
 
 
-def outbound_row(
-    exchange: Exchange,
-    handler: AnyHandler,
-    translator: Translator,
-    send: Send,
-    account: Account,
-    warnings: ThrottledWarnings,
-) -> OutboundRow:
-    """Return the row of a request or of a response that goes to a peer."""
+def outbound_row(exchange: Exchange, handler: AnyHandler, *given: Any) -> OutboundRow:
+    """Return the row of a request or of a response that goes to a peer; ``given`` is what an `OutboundRow` needs."""
     kind = RequestToPeer if handler is exchange.request else ResponseToPeer
-    return kind(exchange, handler, translator, send, account, warnings)
+    return kind(exchange, handler, *given)
 
 
 def _converted(data: bytes, source: type[Message], target: type[Message], number: int = 0) -> bytes:

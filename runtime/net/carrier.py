@@ -226,6 +226,21 @@ class Carrier:
                 raise
 
 
+@contextlib.contextmanager
+def line_at(text: str, report: Report = lambda _: None) -> Iterator[tuple[socket.socket, Carrier]]:
+    """Yield the socket at which the datagrams of a line arrive, and the carrier, which has started to connect.
+
+    ``report`` gets each change of the connection.
+    """
+    with udp.bind(_LOOPBACK[socket.AF_INET], 0, _BUFFER) as sock:
+        carrier = Carrier(transport_at(text), sock, report)
+        carrier.start()
+        try:
+            yield sock, carrier
+        finally:
+            carrier.close()
+
+
 class Way(NamedTuple):
     """Way of datagrams to an end."""
 
@@ -245,18 +260,13 @@ def way_to(text: str, lost: Callable[[Counter[str]], None]) -> Iterator[Way]:
     if not names_transport(text):
         yield Way(udp.destination_of(text), None)
         return
-    with udp.bind(_LOOPBACK[socket.AF_INET], 0, _BUFFER) as sock:
-        carrier = Carrier(transport_at(text), sock)
-        carrier.start()
-        try:
-            carrier.wait()
-            if carrier.why is not None:
-                raise SetupError(f"no connection over {text}: {carrier.why}")
-            yield Way(carrier.address[:2], sock)
-        finally:
-            carrier.close()
-        if undelivered := +carrier.undelivered:
-            lost(undelivered)
+    with line_at(text) as (sock, carrier):
+        carrier.wait()
+        if carrier.why is not None:
+            raise SetupError(f"no connection over {text}: {carrier.why}")
+        yield Way(carrier.address[:2], sock)
+    if undelivered := +carrier.undelivered:
+        lost(undelivered)
 
 
 def _reachable(sock: socket.socket) -> SocketAddress:

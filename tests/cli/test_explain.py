@@ -7,6 +7,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from case_file import usual_table
 from google.protobuf import wrappers_pb2
 from running import Called
 
@@ -70,6 +71,19 @@ def test_the_history_of_the_number(called: Called) -> None:
 
 
 @pytest.mark.slow
+def test_the_smallest_limit_of_a_line_is_told(tmp_path: Path, called: Called) -> None:
+    """What a board sends is limited by the bridge, too."""
+    row = "  - {number: %d, name: %s, proto: Note, topic: %s, direction: %s}\n"
+    rows = row % (1, "up", "up", "board_to_ros") + row % (2, "down", "down", "ros_to_board")
+    table = usual_table(f'peers: {{board: {{host: "serial:/dev/ttyACM0"}}}}\nmessages:\n{rows}')
+    (tmp_path / "proto").mkdir()
+    (tmp_path / "proto/note.proto").write_text('syntax = "proto3";\nmessage Note { uint32 x = 1; }\n')
+    (tmp_path / "mapping.yaml").write_text(table)
+    limits = {"up": "the bridge accepts at most 1472 (parameter max_datagram)", "down": "its line carries at most 4096"}
+    for name, limit in limits.items():
+        assert f"as nanopb does; {limit}\n" in called("explain", name, "--table", tmp_path / "mapping.yaml")[1]
+
+
 def test_what_is_missing_is_told_beside_what_is_there(project: Path, called: Called) -> None:
     """A number that is retired says so; without generated code there is no example; a wrong table is told instead."""
     assert called("number", "retire", "imu_info", folder=project)[0] == 0

@@ -101,6 +101,11 @@ def test_tcp_has_the_lengths_of_protobuf(sent: list[bytes], piece: int) -> None:
         ("tcp:10.0.0.7", "write an address such as tcp:10.0.0.7:7000"),
         ("tcp:10.0.0.7:0", "write an address"),
         ("can:can0?send=0x1", "it lacks the option 'receive'"),
+        ("can:can0?send=101&receive=0x102", "'101' is no value of the option 'send'"),
+        ("can:can0?send=0x20000000&receive=0x102", "is no value of the option 'send'"),
+        ("can:can0?send=0x101&receive=0x101", "each direction needs an identifier of its own"),
+        ("can:can0?send=0x101&receive=0x102&fd=2", "'2' is no value of the option 'fd'"),
+        ("can:can0?send=0x101&receive=0x102&brs=1", "can has no option 'brs'"),
         ("serial:/dev/x,10.0.0.1", "cannot stand beside other hosts"),
     ],
 )

@@ -12,6 +12,7 @@ from asking import asking_registry
 from both_ends import BASE, LOGGER, BothEnds, copied_keys
 from bridge_rig import QUIET, changed, end, of_peers
 from linked import linked_registry
+from needs import needs_native
 from polling import wait_until
 
 from generated.registry import REGISTRY
@@ -25,11 +26,18 @@ from roverlink.runtime.core.mirror import end_named, mirrored
 from roverlink.runtime.core.registry import End, EndName
 from roverlink.runtime.core.signing import Key, Signer, SigningClock
 from roverlink.runtime.middleware.memory import Graph, MemoryMiddleware
+from roverlink.runtime.native.core import open_core
 from roverlink.runtime.ros_arguments import parameters
 
 _NUMBER = 23
 _SIGNED = of_peers(dataclasses.replace(QUIET, signature=_NUMBER), basestation={"must_sign": True})
 _COMMAND, _ROCK = (REGISTRY.by_name[name] for name in ("control_mode", "detected_object"))
+
+
+_STAMPED = tuple(
+    type("Stamped", (type(one),), {"board_stamp": BoardStamp(("x",), 1, 32)})() for one in REGISTRY.extra_topics
+)
+"""The extra topics as they would be if their stamps were by the clocks of boards."""
 
 
 class _Ends(BothEnds):
@@ -162,10 +170,7 @@ def test_what_a_mirrored_row_says() -> None:
     """A limit of the topic stays; that of what the rover sends is the rover's work, and so are stops and clocks."""
     registry = changed(changed(REGISTRY, "control_mode", max_rate=5), "rover_localization", max_rate=3, priority=2)
     registry = changed(registry, "imu_info", max_rate=4, expect_rate=50)
-    stamped = [
-        type("Stamped", (type(one),), {"board_stamp": BoardStamp(("x",), 1, 32)})() for one in registry.extra_topics
-    ]
-    base = mirrored(dataclasses.replace(registry, extra_topics=tuple(stamped)), BASE, 5000)
+    base = mirrored(dataclasses.replace(registry, extra_topics=_STAMPED), BASE, 5000)
     assert base.extra_topics
     assert not base.board_stamps
     routes = {name: handler.route for name, handler in base.by_name.items()}
@@ -181,6 +186,17 @@ def test_what_a_mirrored_row_says() -> None:
     assert (own["listen_port"].default, own["rover_port"].default) == (6000, 5000)
     with pytest.raises(SetupError, match="unknown parameter 'forward_policy'"):
         parameters.read(base, {"forward_policy": "all"})
+
+
+@needs_native
+def test_the_native_core_stamps_at_the_other_end() -> None:
+    """On the rover, Python stamps by the clock of a board; at the other end the stamp is the time of arrival."""
+    rover = dataclasses.replace(REGISTRY, extra_topics=_STAMPED)
+    base = mirrored(rover, BASE, 5000)
+    at_rover, at_base = open_core(rover), open_core(base)
+    inbound = [one for one in rover.extra_topics if one.route.inbound]
+    assert {at_rover.reason(one) for one in inbound} == {"its stamps are by the clock of the board"}
+    assert {at_base.reason(one) for one in base.extra_topics if one.route.inbound} == {""}
 
 
 def test_an_end_that_one_bridge_cannot_be() -> None:
