@@ -35,6 +35,7 @@ from roverkit.calibration.calibration_page import serve_page
 from roverkit.calibration.calibration_text import CalibrationText, JsonText, PlainText
 from roverkit.calibration.page.live_calibration import LiveCalibration
 from roverkit.calibration.report import report, write_report
+from roverkit.calibration.seen_board import SeenBoards
 from roverkit.calibration.writing import write_calibration
 from roverkit.node.camera_source import open_source, settings_of, source_of
 from roverkit.node.ros_connection import RosConnection
@@ -77,7 +78,7 @@ def calibrate(arguments: argparse.Namespace, ros: RosArguments) -> int:
                 return FINDINGS
             return _told(text, *result)
         if isinstance(source, ImageFiles):
-            views: Sequence[View] = _images(source, board)
+            views: Sequence[View] = _images(source, board, SeenBoards(board, text.note))
             if skipped := len(source.unreadable):
                 text.note(f"skipped {skipped} of {counted(len(source.paths), 'image')}, which cannot be read")
         else:
@@ -96,13 +97,14 @@ def _told(text: CalibrationText, calibration: Calibration, path: Path, page: Pat
     return FINDINGS if calibration.judgement.verdict is Verdict.UNUSABLE else OK
 
 
-def _images(source: ImageFiles, board: CalibrationBoard) -> list[View]:
+def _images(source: ImageFiles, board: CalibrationBoard, seen: SeenBoards) -> list[View]:
     """Return the view (board corners) of each image. No image is left out, because the user has chosen the images."""
     detector = BoardDetector(board)
     views = []
     with progress(source.name) as report_progress:
         for frame, name in _named(source):
             views.append(detector.find(frame.image, name, frame.stamp))
+            seen.look(frame.image, views[-1])
             report_progress(frame.number + 1, len(source.paths))
     return views
 
@@ -113,10 +115,13 @@ def _stream(
     """Collect useful views until they cover the whole image, the source of frames ends, or the user presses Ctrl-C."""
     collection = Collection(board, arguments.views)
     text.begins(collection)
+    seen = SeenBoards(board, text.note)
     # Ctrl-C is the normal end of a live collection, so it must not skip the calibration.
     with progress(source.name) as report_progress, contextlib.suppress(KeyboardInterrupt):
         for frame, name in _named(source):
-            text.offered(collection.offer(frame.image, frame.stamp, name), collection)
+            offer = collection.offer(frame.image, frame.stamp, name)
+            text.offered(offer, collection)
+            seen.look(frame.image, offer.view)
             if source.total:
                 report_progress(frame.number + 1, source.total)
             if collection.complete:

@@ -90,6 +90,17 @@ def bent(seed: int, bend: float) -> list[View]:
     return found
 
 
+def stretched(seed: int, wider: float) -> list[View]:
+    """Views of a board whose print is too wide."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for one in views(CAMERA, 22, seed):
+        _, turn, shift = cv2.solvePnP(BOARD.points[one.ids], one.corners, CAMERA.matrix, CAMERA.distortion)
+        pixels = project(CAMERA, BOARD.points[one.ids] * (wider, 1, 1), turn, shift)
+        found.append(replace(one, corners=pixels + rng.normal(0, 0.03, one.corners.shape)))
+    return found
+
+
 def moving(seed: int, size: float) -> list[View]:
     """Views of a camera with a rolling shutter, in which the board moves by about `size` pixels during readout."""
     rng = np.random.default_rng(seed)
@@ -122,6 +133,16 @@ def test_a_bent_board_is_named_and_does_not_change_the_camera() -> None:
 
 
 @pytest.mark.slow
+def test_a_stretched_print_is_named_and_does_not_change_the_camera() -> None:
+    """A print that is 0.2 % too wide was called a rolling shutter, and fx was wrong by 0.43 %."""
+    found = calibrate(stretched(5, 1.002), BOARD)
+    assert found.shape[STRETCH] == pytest.approx(-0.002, abs=0.0005)
+    assert "usable: the squares of the print are 0.2 % wider than high" in doubts(found)
+    assert "rolling" not in doubts(found)
+    assert found.camera.focal == pytest.approx(CAMERA.focal, rel=1e-3)
+
+
+@pytest.mark.slow
 def test_a_lens_model_that_is_too_simple_is_named_with_a_better_one() -> None:
     """A fisheye lens of 137 degrees does not follow plumb_bob."""
     found = calibrate(views(WIDE, 20, 2), BOARD)
@@ -146,6 +167,7 @@ def test_a_rolling_shutter_is_named() -> None:
         (FINE, Verdict.GOOD, ""),
         (replace(FINE, bend=0.001, width=0.264), Verdict.USABLE, "bent by 1.0 mm"),
         (replace(FINE, bend=0.006, width=0.264), Verdict.UNUSABLE, "bent by 6.0 mm"),
+        (replace(FINE, stretch=0.05), Verdict.UNUSABLE, "5 % higher than wide"),
         (replace(FINE, motion=5.0, motion_explains=0.9, rms=0.5), Verdict.UNUSABLE, "picture moves by 5.0 px"),
         (replace(FINE, uncertainty=0.7), Verdict.USABLE, "known to 0.7 px only"),
         (replace(FINE, rms=0.5), Verdict.USABLE, "may be uneven"),

@@ -81,6 +81,11 @@ _BLURRED = _Search(15, 23, 23, 2, _WHOLE_CELL)
 """Finds markers that are blurred, partly covered or of less contrast, down to 30 pixels."""
 _BLURRED_EVERY = 3
 """Number of quick scans of which one searches for blurred markers, too."""
+_LARGE = _Search(7, 33, 33, 2, CELL)
+"""Finds markers, in an image of half the size, whose border is wider than the windows of `_THOROUGH`.
+
+Within the border, a pixel is then not darker than the mean around it, and what covers the interior opens the outline.
+"""
 _REGION = _Search(7, 15, 15, 2, CELL)
 """Enough for most regions; if nothing is found, `_THOROUGH` is tried."""
 
@@ -99,14 +104,16 @@ def to_colour(image: Image) -> Image:
 class Detector:
     """Finds markers in images with OpenCV's detector, with different parameters for each kind of search."""
 
-    def __init__(self, markers: MarkerSet) -> None:
+    def __init__(self, markers: MarkerSet, *, exact: bool = False) -> None:
+        """Find these markers; with `exact`, only those without a wrong cell."""
         self._markers = markers
-        self._reader = SquareReader(markers.white, markers.bits.maxCorrectionBits)
+        self._exact = exact
+        self._reader = SquareReader(markers.white, exact=exact)
         self._detectors: dict[tuple[_Search, int], Any] = {}
 
     def scan(self, image: Image) -> list[MarkerDetection]:
         """Return the markers in a whole grey image (H, W); a marker may be returned twice."""
-        return self._detect(image, _THOROUGH)
+        return self._detect(image, _THOROUGH) + self._detect_large(image)
 
     def scan_quickly(self, image: Image) -> list[MarkerDetection]:
         """Return the markers in a whole grey image, in a third of the time; a marker may be returned twice.
@@ -133,15 +140,28 @@ class Detector:
         seen += self._reader.read(image, unread)
         return [MarkerDetection(number, corner) for number, corner in seen if number in self._markers]
 
+    def _detect_large(self, image: Image) -> list[MarkerDetection]:
+        """Return the large markers in an image, from one of half the size."""
+        height, width = (pixels // 2 for pixels in image.shape)
+        if not (height and width):
+            return []
+        half = cv2.resize(image[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
+        # the first pixel of the smaller image has its centre between the first two pixels of each row
+        return [MarkerDetection(one.number, 2 * one.corners + 0.5) for one in self._detect(half, _LARGE)]
+
     def _detector(self, search: _Search, longest: int) -> Any:
         longest = -(-longest // _STEP) * _STEP
         if (search, longest) not in self._detectors:
-            self._detectors[search, longest] = cv2.aruco.ArucoDetector(self._markers.bits, _parameters(search, longest))
+            self._detectors[search, longest] = cv2.aruco.ArucoDetector(
+                self._markers.bits, _parameters(search, longest, exact=self._exact)
+            )
         return self._detectors[search, longest]
 
 
-def _parameters(search: _Search, longest: int) -> Any:
+def _parameters(search: _Search, longest: int, *, exact: bool) -> Any:
     parameters = cv2.aruco.DetectorParameters()
+    if exact:
+        parameters.errorCorrectionRate = 0.0
     parameters.adaptiveThreshConstant = search.contrast
     parameters.adaptiveThreshWinSizeMin = search.smallest
     parameters.adaptiveThreshWinSizeMax = search.largest

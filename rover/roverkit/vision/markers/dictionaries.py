@@ -9,10 +9,10 @@ from roverkit.vision.markers.marker_fits import fit_markers
 from roverkit.vision.markers.marker_set import MarkerSet, dictionaries
 
 
-def other_dictionary(image: Image, camera: CameraParameters, chosen: MarkerSet) -> tuple[str, list[int]] | None:
+def other_dictionary(image: Image, camera: CameraParameters, chosen: MarkerSet | None) -> tuple[str, list[int]] | None:
     """Return the dictionary with the most markers in an image, (H, W) or (H, W, 3), and the numbers of these markers.
 
-    Markers of the chosen dictionary do not count. Of several dictionaries that contain the others, it is the smallest
+    Markers of the chosen dictionary do not count, if there is one. Of several dictionaries that contain the others, it is the smallest
     one. The result is None if no dictionary matches. This takes some tenths of a second.
     """
     grey = to_grey(image)
@@ -22,11 +22,10 @@ def other_dictionary(image: Image, camera: CameraParameters, chosen: MarkerSet) 
     return (_smallest(largest, max(numbers)), numbers) if numbers else None
 
 
-def _numbers(grey: Image, camera: CameraParameters, markers: MarkerSet, others: MarkerSet) -> list[int]:
+def _numbers(grey: Image, camera: CameraParameters, markers: MarkerSet, others: MarkerSet | None) -> list[int]:
     """Return the numbers of the markers that match without a wrong bit, whose edges fit, and that `others` has not."""
-    known = others.bits.bytesList.tolist()
-    markers.bits.maxCorrectionBits = 0  # with correction, small dictionaries match many other squares
-    found = Detector(markers).scan(grey)
+    known = others.bits.bytesList.tolist() if others else []
+    found = Detector(markers, exact=True).scan(grey)  # with correction, small dictionaries match many other squares
     fitted = fit_markers(grey, camera, [Guess(markers.pattern(marker.number), marker.corners) for marker in found])
     numbers = {marker.number for marker, fit in zip(found, fitted) if fit}
     return sorted(number for number in numbers if markers.bits.bytesList[number].tolist() not in known)

@@ -7,6 +7,7 @@ wrong reading is possible; the edge fit, which compares all edges of the pattern
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -20,6 +21,8 @@ _NEAR = (-0.2, 0.0, 0.2)
 """Distances of the points from the centre of a cell, along both sides, in cells."""
 _CONTRAST = 8.0
 """Least difference between the means of white and black cells, in grey levels."""
+_CHANCE = 0.1
+"""Largest share of the squares with random cells that are read as a marker; the edge fit then rejects them."""
 _BORDER = 0.2
 """Largest share of the cells of the black border that may be white, because something covers them."""
 
@@ -27,10 +30,10 @@ _BORDER = 0.2
 class SquareReader:
     """Reads the markers of one dictionary."""
 
-    def __init__(self, white: NDArray[np.bool_], correctable: int) -> None:
-        """Read the markers whose cells inside the border are `white` (D, n, n), with at most `correctable` wrong ones."""
+    def __init__(self, white: NDArray[np.bool_], *, exact: bool = False) -> None:
+        """Read the markers whose cells inside the border are `white` (D, n, n); with `exact`, none may be wrong."""
         self._cells = white.shape[1] + 2
-        self._correctable = correctable
+        self._most_wrong = 0 if exact else _most_wrong(4 * len(white), white[0].size)
         turned = np.stack([np.rot90(white, turns, axes=(1, 2)) for turns in range(4)], axis=1)
         self._signs = np.where(turned.reshape(4 * len(white), -1), np.float32(1), np.float32(-1))
         steps = ((np.arange(self._cells)[:, None] + 0.5 + np.array(_NEAR)) * (2 / self._cells) - 1).ravel()
@@ -57,13 +60,22 @@ class SquareReader:
         white, contrast = _split(cells)
         usable = (contrast > _CONTRAST) & (white[:, ~self._inside].mean(axis=1) <= _BORDER)
         agreement = np.where(white[:, self._inside], np.float32(1), np.float32(-1)) @ self._signs.T
-        best = agreement.argmax(axis=1)
-        usable &= agreement.max(axis=1) >= self._signs.shape[1] - 2 * self._correctable
+        best, most = agreement.argmax(axis=1), agreement.max(axis=1)
+        usable &= most >= self._signs.shape[1] - 2 * self._most_wrong
+        usable &= (agreement == most[:, None]).sum(axis=1) == 1
         # A pattern that is turned by 90 degrees has its first corner where the second one was.
         return [
             (int(best[place]) // 4, np.roll(corners[place], int(best[place]) % 4, axis=0))
             for place in np.flatnonzero(usable).tolist()
         ]
+
+
+def _most_wrong(codes: int, cells: int) -> int:
+    """Return how many cells of a marker may be wrong, so that few squares that are no markers are read as one."""
+    wrong, chance = 0, codes / 2**cells
+    while (chance := chance + codes * math.comb(cells, wrong + 1) / 2**cells) < _CHANCE:
+        wrong += 1
+    return wrong
 
 
 def _split(cells: Floats) -> tuple[NDArray[np.bool_], Floats]:
