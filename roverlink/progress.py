@@ -8,14 +8,14 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import cache
 
-_LONG_S = 20.0
+_EVERY_S = 20.0
 Report = Callable[[int, int], None]
 """Function that a long task calls with two amounts: done so far, and in total."""
 
 
 @contextmanager
 def progress(what: str) -> Iterator[Report]:
-    """Show a progress bar on a terminal until the block ends. Without a terminal, print one line if it takes long.
+    """Show a progress bar on a terminal until the block ends. Without a terminal, print a line every 20 s.
 
     Yields a function. The task calls it with the amount done so far and the total amount, such as ``report(30, 200)``.
     ``what`` is the text beside the bar.
@@ -31,14 +31,14 @@ def progress(what: str) -> Iterator[Report]:
             task = stack.enter_context(shown).add_task(what, total=None)
             return lambda done, total: shown.update(task, completed=done, total=total)
 
-        begun, told = time.monotonic(), False
+        told = time.monotonic()
 
         def show(done: int, total: int) -> None:
             nonlocal told
             if sys.stderr.isatty():
                 bar()(done, total)
-            elif not told and time.monotonic() - begun > _LONG_S:
-                print(f"{what}: {done} of {total} done, still running", file=sys.stderr)
-                told = True
+            elif time.monotonic() - told > _EVERY_S:
+                print(f"{what}: {done} of {total} done, still running", file=sys.stderr, flush=True)
+                told = time.monotonic()
 
         yield show

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from roverkit.objects.detected_objects import Box, ObjectDetection
-from roverkit.objects.layouts import LAYOUTS, Candidates, Layout, Signature, candidates
+from roverkit.objects.layouts import LAYOUTS, Candidates, Layout, Outputs, Signature, candidates, without_grids
+from roverkit.objects.plausibility import objection
 from roverkit.objects.runtime_session import Array, Session
 from roverkit.vision.markers.detection import Image, to_colour
 from roverkit.vision.opencv import cv2
@@ -36,7 +37,8 @@ class ObjectDetector:
         """Open a model. `layout` is one of `LAYOUTS`; without it, it is recognized from the model.
 
         `names` are those of the classes; without them, they are taken from the model's metadata. Detections with a
-        score below `score` are left out. Raises `SetupError` if the file cannot be used, or if its layout is unknown.
+        score below `score` are left out. Raises `SetupError` if the file cannot be used, if its layout is unknown, or
+        if its scores or boxes for a grey image are impossible in this layout.
         """
         if layout is not None and layout not in LAYOUTS:
             raise SetupError(f"unknown layout {layout!r}; {nearest(layout, LAYOUTS)}")
@@ -49,7 +51,10 @@ class ObjectDetector:
         # RT-DETR scales its boxes by the size of the image; here, that of its input.
         self._extra = [np.array([self._size], np.int64)] if extra else []
         known = list(names) if names is not None else self._names()
-        self._signature = Signature(self._size, self._shapes(), len(known) or None, self._states_suppression())
+        head = self._session.metadata.get("head", "")
+        self._signature = Signature(
+            self._size, self._grey_outputs(), len(known) or None, self._states_suppression(), head
+        )
         self._layout = self._recognized(self._signature, layout)
         self.layout = self._layout.name
         """Name of the layout."""
@@ -62,7 +67,7 @@ class ObjectDetector:
         Raises `SetupError` if the model fails.
         """
         blob, placement = self._layout.preprocessing.prepare(to_colour(image), self._size)
-        outputs = self._session.run([blob, *self._extra])
+        outputs = without_grids(self._session.run([blob, *self._extra]))
         with np.errstate(over="ignore", invalid="ignore"):  # a network may compute NaN, which gives no object
             found = self._layout.decode(outputs, self._signature)
             sure = found.scores >= self._score  # false for NaN, too
@@ -136,17 +141,22 @@ class ObjectDetector:
         inside = isinstance(arguments, dict) and arguments.get("nms") is True
         return inside or self._session.metadata.get("end2end") == "True"
 
-    def _shapes(self) -> dict[str, tuple[int, ...]]:
-        """Return the shapes of the outputs for a grey image: the file may leave them open."""
+    def _grey_outputs(self) -> Outputs:
+        """Return the outputs for a grey image: the file may leave their shapes open, and does not say their meaning."""
         task = self._session.metadata.get("task", "detect")
         if task != "detect":
             raise SetupError(f"{self._path}: the model is for the task {task!r}; export one for 'detect'")
         width, height = self._size
         blank = np.full((1, 3, height, width), 0.5, np.float32)
-        return {name: output.shape for name, output in self._session.run([blank, *self._extra]).items()}
+        return without_grids(self._session.run([blank, *self._extra]))
 
     def _recognized(self, signature: Signature, layout: str | None) -> Layout:
-        found = candidates(signature, layout)
+        with np.errstate(all="ignore"):  # another layout's numbers
+            objections = {
+                candidate: objection(candidate.decode(signature.outputs, signature), signature.size)
+                for candidate in candidates(signature, layout)
+            }
+        found = [candidate for candidate, reason in objections.items() if not reason]
         if len(found) == 1:
             return found[0]
         outputs = ", ".join(f"{name} {_shown(shape)}" for name, shape in signature.shapes.items())
@@ -155,6 +165,12 @@ class ObjectDetector:
         if found:
             names = " or ".join(dict.fromkeys(candidate.name for candidate in found))
             raise SetupError(f"{start} this may be {names}; choose with --layout")
+        if objections:
+            reasons = "; ".join(f"as {candidate.name}, its {reason}" for candidate, reason in objections.items())
+            raise SetupError(
+                f"{start} for a grey image, they are impossible: {reasons}; rover/docs/objects.md says how to export "
+                "networks"
+            )
         if layout:
             raise SetupError(
                 f"{start} that does not fit the layout {layout}; leave --layout out, or correct the classes"

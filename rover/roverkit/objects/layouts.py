@@ -5,20 +5,23 @@
 | yolov8 | (1, 4+C, N); also YOLO11                      | cx cy w h, pixels of the input  | of classes          |
 | yolov5 | (1, N, 5+C), N: 3 for each cell of the grids  | cx cy w h, pixels of the input  | objectness, classes |
 | yolox  | (1, N, 5+C), N: 1 for each cell of the grids  | cx cy in cells, log of w h      | objectness, classes |
+|        | the same, with --decode_in_inference          | cx cy w h, pixels of the input  | objectness, classes |
 | rtdetr | logits, pred_boxes                            | cx cy w h, part of the input    | logits of classes   |
 |        | (1, Q, 4+C)                                   | cx cy w h, part of the input    | of classes          |
+|        | (1, Q, 6)                                     | cx cy w h, part of the input    | of one class        |
 |        | labels, boxes, scores                         | x1 y1 x2 y2, pixels             | of one class        |
 | rfdetr | dets, labels                                  | cx cy w h, part of the input    | logits of classes   |
 | nms    | (1, K, 6); (K, 7); num_dets, det_boxes,       | x1 y1 x2 y2, pixels             | of one class        |
 |        | det_scores, det_classes                       |                                 |                     |
 
 The layouts are those that the exporters of ultralytics, YOLOX (Megvii), RT-DETR (lyuwenyu, transformers), RF-DETR
-(Roboflow) and YOLOv7 write; `nms` is the output of exports that contain the suppression of overlapping boxes.
+(Roboflow) and YOLOv7 write; `nms` is the output of exports that contain the suppression of overlapping boxes. YOLOv5
+v6.0 writes the maps of its three grids, too, which are not needed. Where shapes leave several layouts, the outputs for
+a grey image decide.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -33,6 +36,8 @@ _STRIDES = ((8, 16, 32), (8, 16, 32, 64))
 """Cells of the grids of YOLOv5 and YOLOX in pixels: of the usual models, and of those for large images (P6)."""
 _RATIOS = 3  # anchors of YOLOv5 for each cell
 _CLASSES = 2**31  # OpenCV's indices of classes have 32 bits
+_RANKED = "RTDETRDecoder"
+"""Last layer of Ultralytics' RT-DETR, which ranks the classes of all boxes since version 8.4 (its #24403)."""
 
 Array = NDArray[Any]
 Outputs = Mapping[str, Array]
@@ -51,33 +56,41 @@ class Candidates:
     """Indices (N,) of the classes."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Signature:
     """Facts about a model from which its layout is recognized."""
 
     size: tuple[int, int]
     """Width and height of the input in pixels."""
-    shapes: Mapping[str, tuple[int, ...]]
-    """Shapes of the outputs by their names."""
+    outputs: Outputs
+    """Outputs for a grey image."""
     classes: int | None
     """Number of classes; None if it is unknown."""
     suppressed: bool = False
     """True if the metadata says that the network has chosen the best one of overlapping boxes."""
+    head: str = ""
+    """Class of the network's last layer in the metadata of Ultralytics, such as ``RTDETRDecoder``."""
+
+    @property
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """Shapes of the outputs by their names."""
+        return {name: output.shape for name, output in self.outputs.items()}
 
     @property
     def only(self) -> tuple[int, ...]:
         """Shape of the only output; () if there are several."""
-        return next(iter(self.shapes.values())) if len(self.shapes) == 1 else ()
+        return next(iter(self.shapes.values())) if len(self.outputs) == 1 else ()
 
     def has(self, **columns: int | None) -> bool:
         """Return true if these are the outputs, for one image, with the same number of rows.
 
         The number of each output is that of its columns: 0 for any, None if it has rows without columns.
         """
-        if columns.keys() != self.shapes.keys():
+        shapes = self.shapes
+        if columns.keys() != shapes.keys():
             return False
-        rows = {self.shapes[name][1:2] for name in columns}
-        return len(rows) == 1 and all(_is_part(self.shapes[name], wanted) for name, wanted in columns.items())
+        rows = {shapes[name][1:2] for name in columns}
+        return len(rows) == 1 and all(_is_part(shapes[name], wanted) for name, wanted in columns.items())
 
     def cells(self) -> list[int]:
         """Return the numbers of cells that the grids can have."""
@@ -137,6 +150,11 @@ def _detr_in_one(outputs: Outputs, model: Signature) -> Candidates:
     return _best(_corners(table[:, :4]) * _twice(model.size), table[:, 4:])
 
 
+def _detr_ranked(outputs: Outputs, model: Signature) -> Candidates:
+    table = _single(outputs)
+    return Candidates(_corners(table[:, :4]) * _twice(model.size), table[:, 4], _indices(table[:, 5]))
+
+
 def _detr_with_labels(outputs: Outputs, _: Signature) -> Candidates:
     return Candidates(outputs["boxes"][0], outputs["scores"][0], _indices(outputs["labels"][0]))
 
@@ -167,9 +185,32 @@ def _is_table(shape: Sequence[int]) -> bool:
 
 
 def _has_parts(model: Signature) -> bool:
-    shapes = dict(model.shapes)
-    count = shapes.pop("num_dets", (0,))
-    return math.prod(count) == 1 and replace(model, shapes=shapes).has(det_boxes=4, det_scores=None, det_classes=None)
+    others = dict(model.outputs)
+    count = others.pop("num_dets", None)
+    others_fit = replace(model, outputs=others).has(det_boxes=4, det_scores=None, det_classes=None)
+    return count is not None and count.size == 1 and others_fit
+
+
+def _has_cells(model: Signature) -> bool:
+    return _is_table(model.only) and model.only[1] in model.cells() and model.fits(model.only[2], 5)
+
+
+def _is_decoded(model: Signature) -> bool:
+    """Return true if the boxes of YOLOX are in pixels: then they are nearer to their cells than as numbers of cells."""
+    middles = _single(model.outputs)[:, :2]
+    cells, strides = _grid(model.size, len(middles))
+    decoded, raw = middles / strides - cells - 0.5, middles - 0.5
+    return bool(np.median(np.abs(decoded)) < np.median(np.abs(raw)))
+
+
+def _is_ranked(model: Signature) -> bool:
+    """Return true if each row of the only output is a box in parts of the image, a score, and the number of a class."""
+    if not _is_table(model.only) or model.only[2] != 6 or model.head not in ("", _RANKED):
+        return False
+    table = _single(model.outputs)
+    boxes, classes = table[:, :4], table[:, 5]
+    in_parts = 0 < boxes.max(initial=0) <= 1 and boxes.min(initial=0) >= 0
+    return model.head == _RANKED or bool(in_parts and (classes == np.rint(classes)).all())
 
 
 def _is_part(shape: Sequence[int], columns: int | None) -> bool:
@@ -180,6 +221,7 @@ def _is_part(shape: Sequence[int], columns: int | None) -> bool:
 
 
 _STRETCHED = Preprocessing(Fit.STRETCHED)
+_YOLOX = Preprocessing(Fit.CORNER, rgb=False, unit=False)
 _VARIANTS = (
     Layout(
         "yolov8",
@@ -195,13 +237,8 @@ _VARIANTS = (
         _yolov5,
         overlapping=True,
     ),
-    Layout(
-        "yolox",
-        lambda model: _is_table(model.only) and model.only[1] in model.cells() and model.fits(model.only[2], 5),
-        _yolox,
-        Preprocessing(Fit.CORNER, rgb=False, unit=False),
-        overlapping=True,
-    ),
+    Layout("yolox", lambda model: _has_cells(model) and not _is_decoded(model), _yolox, _YOLOX, overlapping=True),
+    Layout("yolox", lambda model: _has_cells(model) and _is_decoded(model), _yolov5, _YOLOX, overlapping=True),
     Layout("rtdetr", lambda model: model.has(logits=0, pred_boxes=4), _detr("pred_boxes", "logits"), _STRETCHED),
     Layout("rtdetr", lambda model: model.has(labels=None, boxes=4, scores=None), _detr_with_labels, _STRETCHED),
     Layout(
@@ -209,10 +246,12 @@ _VARIANTS = (
         lambda model: _is_table(model.only)
         and model.only[1] > model.only[2]
         and not _is_on_grid(model)
+        and not _is_ranked(model)
         and model.fits(model.only[2], 4),
         _detr_in_one,
         _STRETCHED,
     ),
+    Layout("rtdetr", _is_ranked, _detr_ranked, _STRETCHED),
     Layout(
         "rfdetr",
         lambda model: model.has(dets=4, labels=0),
@@ -221,7 +260,10 @@ _VARIANTS = (
     ),
     Layout(
         "nms",
-        lambda model: _is_table(model.only) and model.only[2] == 6 and (model.suppressed or not _is_on_grid(model)),
+        lambda model: _is_table(model.only)
+        and model.only[2] == 6
+        and not _is_ranked(model)
+        and (model.suppressed or not _is_on_grid(model)),
         _suppressed,
     ),
     Layout("nms", lambda model: len(model.only) == 2 and model.only[1] == 7, _suppressed_in_batch),
@@ -236,6 +278,14 @@ def candidates(signature: Signature, name: str | None = None) -> list[Layout]:
     found = [layout for layout in _VARIANTS if name in (None, layout.name) and layout.matches(signature)]
     stated = [layout for layout in found if signature.suppressed and layout.name == "nms"]
     return stated or found
+
+
+def without_grids(outputs: Outputs) -> Outputs:
+    """Return the outputs without the maps (1, 3, H, W, 5+C) of YOLOv5 v6.0, if there is a table (1, N, 5+C), too."""
+    tables = {name: output for name, output in outputs.items() if output.ndim == 3}
+    columns = {output.shape[-1] for output in outputs.values() if output.ndim in (3, 5)}
+    only_table = len(tables) == len(columns) == 1 and all(output.ndim in (3, 5) for output in outputs.values())
+    return tables if only_table else outputs
 
 
 def _is_on_grid(signature: Signature) -> bool:

@@ -27,7 +27,8 @@ class ObjectLog:
         self._logger, self._clock = logger, clock
         self._frames = self._skipped = 0
         self._newest = -1
-        self._seen: dict[int, str] = {}
+        self.seen: dict[int, str] = {}
+        """Classes of all objects so far by their numbers."""
         self._latencies: list[float] = []
         self._since = self._begin = time.monotonic()
 
@@ -37,8 +38,8 @@ class ObjectLog:
         self._skipped += max(frame.number - self._newest - 1, 0)
         self._newest = frame.number
         for tracked in objects:
-            if tracked.id not in self._seen:
-                self._seen[tracked.id] = tracked.class_name
+            if tracked.id not in self.seen:
+                self.seen[tracked.id] = tracked.class_name
                 self._logger.info("object %d appeared: %s", tracked.id, tracked.class_name)
         if live:
             self._latencies.append((self._clock.now() - frame.stamp) / 1e6)
@@ -67,5 +68,5 @@ class ObjectLog:
         if not self._frames:
             return
         self._report()
-        classes = ", ".join(f"{number} {name}" for number, name in sorted(self._seen.items())) or "none"
-        self._logger.info("%s with %s: %s", counted(self._frames, "frame"), counted(len(self._seen), "object"), classes)
+        classes = ", ".join(f"{number} {name}" for number, name in sorted(self.seen.items())) or "none"
+        self._logger.info("%s with %s: %s", counted(self._frames, "frame"), counted(len(self.seen), "object"), classes)

@@ -20,6 +20,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from roverkit.objects.detected_objects import Box, ObjectDetection, TrackedObject
+from roverkit.objects.frame_period import FramePeriod
 from roverkit.vision.camera.camera_model import Floats
 from roverlink.runtime.core.errors import SetupError
 
@@ -34,8 +35,10 @@ CERTAIN = 0.5
 """Confidence from which a detection can begin a track."""
 CONFIRMED = 2
 """Number of detections after which a track counts as an object; a single one may be an error of the detector."""
-FORGOTTEN_S = 1.0
-"""Time in seconds after which an object that was not seen is forgotten."""
+FORGOTTEN_NS = 1_000_000_000
+"""Time in nanoseconds after which an object that was not seen is forgotten."""
+FORGOTTEN_PERIODS = 3
+"""The same in periods of the images, for a detector that is slower than that."""
 _GATE = 0.7
 """Distance of a box from its prediction, in its sizes, above which it is another object."""
 _IN_COMMON = 3
@@ -103,10 +106,12 @@ class _Track:
 class ObjectTracker:
     """Gives the objects in the frames of one camera their numbers. Not thread-safe."""
 
-    def __init__(self) -> None:
+    def __init__(self, first: int = 1) -> None:
+        """Track nothing yet; `first` is the number of the first object."""
         self._tracks: list[_Track] = []
-        self._ids = itertools.count(1)
+        self._ids = itertools.count(first)
         self._stamp: int | None = None
+        self._period = FramePeriod()
 
     def track(self, detections: Iterable[ObjectDetection], stamp: int) -> list[TrackedObject]:
         """Return the objects that are visible in a frame, with the detections in it; `stamp` is in nanoseconds.
@@ -116,7 +121,9 @@ class ObjectTracker:
         if self._stamp is not None and stamp < self._stamp:
             self._tracks = []
         self._stamp = stamp
-        self._tracks = [track for track in self._tracks if stamp - track.stamp < FORGOTTEN_S * 1e9]
+        self._period.add(stamp)
+        forgotten = self._period.at_least(FORGOTTEN_NS, FORGOTTEN_PERIODS)
+        self._tracks = [track for track in self._tracks if stamp - track.stamp < forgotten]
         for track in self._tracks:
             track.predict(stamp)
         found: list[tuple[_Track, ObjectDetection]] = []

@@ -10,6 +10,7 @@ import argparse
 import itertools
 import json
 import logging
+import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -19,14 +20,14 @@ from roverkit.node.camera_source import CAMERA_FRAME, open_source, settings_of, 
 from roverkit.node.program import project_registry
 from roverkit.node.ros_connection import RosConnection, full_topic
 from roverkit.objects.chosen_detector import open_detector
-from roverkit.objects.detected_objects import TrackedObject
+from roverkit.objects.detected_objects import TrackedObject, as_json, rounded
 from roverkit.objects.location import Location, locate
 from roverkit.objects.object_declarations import DETECTIONS, DETECTIONS_3D, IMAGE
 from roverkit.objects.object_log import ObjectLog
 from roverkit.objects.object_rows import DetectedObjectRow
 from roverkit.objects.object_tracker import ObjectTracker
 from roverkit.objects.object_types import ClassesFile, ObjectTypes
-from roverkit.vision.frames import Frame, FrameSource, TopicSource, play
+from roverkit.vision.frames import Frame, FrameSource, ImageFiles, TopicSource, play
 from roverkit.vision.frames.depth_camera import CameraTopics, DepthCamera, NoDepthError, aligned_depth_topic
 from roverkit.vision.images.film import Film
 from roverkit.vision.images.object_drawing import draw_objects
@@ -39,7 +40,8 @@ from roverlink.node_log import publish_log
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments
 
-_DIGITS = 6  # significant digits of JSON
+_RUNS, _RUN = 9000, 1000
+"""Number of runs with different numbers of objects, and the step from one to the next."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,11 +63,10 @@ class ObjectResult:
         }
 
     def _object(self, tracked: TrackedObject) -> dict[str, Any]:
-        box = {name: _number(getattr(tracked.box, name)) for name in ("x", "y", "width", "height")}
-        found = {"id": tracked.id, "class": tracked.class_name, "confidence": _number(tracked.confidence), "box": box}
+        found = {"id": tracked.id, **as_json(tracked)}
         if location := self.locations.get(tracked.id):
-            found["position"] = [_number(value) for value in location.point.tolist()]
-            found["covariance"] = [_number(value) for value in location.covariance.ravel().tolist()]
+            found["position"] = [rounded(value) for value in location.point.tolist()]
+            found["covariance"] = [rounded(value) for value in location.covariance.ravel().tolist()]
         return found
 
 
@@ -89,7 +90,7 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             stack.enter_context(publish_log(logger, connection.middleware, ros))
             outputs += _publishers(arguments, classes, detector.class_names, connection, logger)
         log = stack.enter_context(ObjectLog(logger, connection.clock))
-        tracker = ObjectTracker()
+        tracker = ObjectTracker(_first_number() if arguments.middleware else 1)
         for frame in with_progress(_frames(source, arguments, connection), [source], arguments):
             objects = tracker.track(detector.detect(frame.image), frame.stamp)
             result = ObjectResult(frame, objects, _locations(objects, frame, depth))
@@ -98,7 +99,17 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             for output in outputs:
                 output(result)
             log.add(frame, objects, live=source.live)
+        if isinstance(source, ImageFiles) and not log.seen:
+            logger.info("single photographs, which no object joins, are for `roverlink objects detect`")
     return OK
+
+
+def _first_number() -> int:
+    """Return the number of the first object of a run that others hear: 1000001, 1001001 and so on to 9999001.
+
+    It is random: a selection of an earlier run must not name an object of this one.
+    """
+    return (_RUN + secrets.randbelow(_RUNS)) * _RUN + 1
 
 
 def _frames(source: FrameSource, arguments: argparse.Namespace, ros: RosConnection) -> Iterator[Frame]:
@@ -193,7 +204,3 @@ def _publishers(
 
 def _drawn(result: ObjectResult) -> Any:
     return draw_objects(result.frame.image, result.objects, result.locations)
-
-
-def _number(value: float) -> float:
-    return float(f"{value:.{_DIGITS}g}")

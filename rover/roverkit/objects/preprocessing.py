@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -80,7 +81,8 @@ class Preprocessing:
         if self.fit is Fit.STRETCHED:
             return Placement((size[0] / image[0], size[1] / image[1]), (0.0, 0.0), image)
         ratio = min(size[0] / image[0], size[1] / image[1])
-        inner = [max(1, round(length * ratio)) for length in image]
+        whole = math.floor if self.fit is Fit.CORNER else round  # as YOLOX, and as Ultralytics
+        inner = [max(1, whole(length * ratio)) for length in image]
         # What is drawn has whole pixels, so the scales of both axes differ slightly.
         scale = inner[0] / image[0], inner[1] / image[1]
         if self.fit is Fit.CORNER:

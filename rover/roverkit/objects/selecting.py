@@ -102,8 +102,7 @@ class Selector:
             locations_of(message), self._transform(self._base, camera, stamp), self._transform(self._map, camera, stamp)
         )
         now = self._clock.now()
-        self._selection.see(scene, now)
-        if self._selection.object in scene.objects and self._selection.state is not State.LOST:
+        if self._selection.see(scene, now):
             self._publish(stamp, now)
 
     def select(self, number: int) -> None:

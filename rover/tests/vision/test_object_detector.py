@@ -23,7 +23,7 @@ from roverkit.objects.detector import ObjectDetector  # noqa: E402
 from roverkit.objects.layouts import LAYOUTS  # noqa: E402
 from roverkit.objects.preprocessing import Fit, Preprocessing  # noqa: E402
 
-from rover.tests.vision.onnx_models import write  # noqa: E402
+from rover.tests.vision.onnx_models import save, write  # noqa: E402
 from roverlink.runtime.core.errors import SetupError  # noqa: E402
 
 _W, _H = 96, 64  # Size of the networks' input
@@ -78,6 +78,18 @@ def _yolox(truths: list[Truth]) -> Outputs:
     return {"output": _filled(rows, [0.0] * 8, len(_CELLS))}
 
 
+def _yolox_decoded(truths: list[Truth]) -> Outputs:
+    rows = [[(x + 0.5) * stride, (y + 0.5) * stride, stride, stride, 0.0, 0.0, 0.0, 0.0] for stride, x, y in _CELLS]
+    rows[: len(truths)] = [[*_centre(one), 1.0, *_scores(one)] for one in truths]
+    return {"output": [rows]}
+
+
+def _yolov5_with_grids(truths: list[Truth]) -> Outputs:
+    """What YOLOv5 v6.0 writes: the table, and the maps of the three grids from which it is computed."""
+    maps = {str(stride): np.full((1, 3, _H // stride, _W // stride, 8), 7.0) for stride in (8, 16, 32)}
+    return {"output": _yolov5(truths)["output0"]} | maps
+
+
 def _queries(truths: list[Truth], boxes: str, scores: str, extra: int = 0) -> Outputs:
     logits = [
         [math.log(score / (1 - score)) if score else -20.0 for score in _scores(one)] + [5.0] * extra for one in truths
@@ -87,6 +99,10 @@ def _queries(truths: list[Truth], boxes: str, scores: str, extra: int = 0) -> Ou
 
 def _rtdetr_in_one(truths: list[Truth]) -> Outputs:
     return {"output0": _filled([_part(one) + _scores(one) for one in truths], [0.5] * 4 + [0.0] * 3)}
+
+
+def _rtdetr_ranked(truths: list[Truth]) -> Outputs:
+    return {"output0": _filled([[*_part(one), one[5], float(one[4])] for one in truths], [0.5] * 4 + [0.0] * 2)}
 
 
 def _rtdetr_labels(truths: list[Truth]) -> Outputs:
@@ -117,9 +133,12 @@ def _nms_in_parts(truths: list[Truth]) -> Outputs:
 _FORMATS: dict[str, tuple[str, Callable[[list[Truth]], Outputs], Fit]] = {
     "yolov8": ("yolov8", _yolov8, Fit.CENTRED),
     "yolov5": ("yolov5", _yolov5, Fit.CENTRED),
+    "yolov5 with grids": ("yolov5", _yolov5_with_grids, Fit.CENTRED),
     "yolox": ("yolox", _yolox, Fit.CORNER),
+    "yolox decoded": ("yolox", _yolox_decoded, Fit.CORNER),
     "rtdetr": ("rtdetr", lambda truths: _queries(truths, "pred_boxes", "logits"), Fit.STRETCHED),
     "rtdetr in one": ("rtdetr", _rtdetr_in_one, Fit.STRETCHED),
+    "rtdetr ranked": ("rtdetr", _rtdetr_ranked, Fit.STRETCHED),
     "rtdetr with labels": ("rtdetr", _rtdetr_labels, Fit.STRETCHED),
     "rfdetr": ("rfdetr", lambda truths: _queries(truths, "dets", "labels"), Fit.STRETCHED),
     "rfdetr with background": ("rfdetr", lambda truths: _queries(truths, "dets", "labels", 1), Fit.STRETCHED),
@@ -129,12 +148,10 @@ _FORMATS: dict[str, tuple[str, Callable[[list[Truth]], Outputs], Fit]] = {
 }
 
 
-def _write(path: Path, name: str, truths: list[Truth], value: float | None = None) -> Path:
-    """A model of a format that sees these objects; with a value, each number that is no integer is this one."""
+def _write(path: Path, name: str, truths: list[Truth]) -> Path:
+    """A model of a format that sees these objects."""
     arrays = {key: np.asarray(one) for key, one in _FORMATS[name][1](truths).items()}
-    for key, one in arrays.items():
-        if one.dtype.kind == "f":
-            arrays[key] = one.astype(np.float32) if value is None else np.full(one.shape, value, np.float32)
+    arrays = {key: one.astype(np.float32) if one.dtype.kind == "f" else one for key, one in arrays.items()}
     inputs = {"images": (1, 3, _H, _W)} | ({"orig_target_sizes": (1, 2)} if "with labels" in name else {})
     return write(path, arrays, metadata={"names": dict(enumerate(_NAMES))}, inputs=inputs)
 
@@ -184,10 +201,58 @@ def test_every_layout_gives_the_objects(name: str, tmp_path_factory: Any, truths
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 3e38])
 @pytest.mark.parametrize("name", _FORMATS)
 def test_numbers_out_of_range_give_no_warning(tmp_path: Path, name: str, value: float) -> None:
-    """Whatever the layout, and wherever the numbers are; boxes of objects are numbers and lie in the image."""
-    detector = ObjectDetector(_write(tmp_path / "m.onnx", name, [(20, 20, 40, 40, 1, 0.9)], value))
-    for one in detector.detect(np.zeros((_IMAGE[1], _IMAGE[0], 3), np.uint8)):
+    """A network may compute them in a bright image; boxes of objects are numbers and lie in the image."""
+    path = _write(tmp_path / "m.onnx", name, [(20, 20, 40, 40, 1, 0.9)])
+    model = onnx.load(path)
+    limit = np.float32(200 if "yolox" in name else 0.9)  # above the border's grey
+    (image,) = (one.name for one in model.graph.input if len(one.type.tensor_type.shape.dim) == 4)
+    nodes = [onnx.helper.make_node("ReduceMax", [image], ["light"], keepdims=0)]
+    nodes.append(onnx.helper.make_node("Greater", ["light", "limit"], ["bright"]))
+    model.graph.initializer.append(onnx.numpy_helper.from_array(limit, "limit"))
+    model.graph.initializer.append(onnx.numpy_helper.from_array(np.float32(value), "value"))
+    floats = {one.name for one in model.graph.initializer if one.data_type == TensorProto.FLOAT}
+    for node in model.graph.node:
+        (given,) = node.input
+        choice = given in floats  # integers stay as they are
+        nodes.append(onnx.helper.make_node("Where", ["bright", "value", given], node.output) if choice else node)
+    graph = onnx.helper.make_graph(nodes, "detector", model.graph.input, model.graph.output, model.graph.initializer)
+    detector = ObjectDetector(save(path, graph, {"names": dict(enumerate(_NAMES))}))
+    assert len(detector.detect(np.zeros((_IMAGE[1], _IMAGE[0], 3), np.uint8))) == 1
+    for one in detector.detect(np.full((_IMAGE[1], _IMAGE[0], 3), 255, np.uint8)):
         assert 0 <= one.box.x <= one.box.x + one.box.width <= _IMAGE[0]
+
+
+def _everywhere(row: list[float], count: int = 20) -> Outputs:
+    return {"o": np.array([[row] * count], np.float32)}
+
+
+@pytest.mark.parametrize(
+    ("outputs", "layout", "text"),
+    [
+        ({"o": np.full((1, 7, 126), math.nan, np.float32)}, None, "as yolov8, its scores are nan to nan"),
+        (_everywhere([50, 30, 9, 9, 31, 0.9, 0.5], 126), None, "as yolox, its scores are 27.9 to 27.9, and not 0 to 1"),
+        (_everywhere([0.5, 0.5, 0.2, 0.3, 0.9, 1]), "nms", "that does not fit the layout nms"),
+        (_everywhere([0.1, 0.1, 0.8, 0.8, 0.9, 1.5]), "nms", "no coordinate of a box is above 0.8 pixels"),
+        (_everywhere([50, 30, 20, 10, 0.9, 1]), "nms", "boxes end before they begin"),
+        (_everywhere([50, 30, 9, 9, 0.9, 0.1]), "rtdetr", "100% of the boxes lie outside of the image"),
+        (_everywhere([50, 30, math.inf, 9, 0.9, 1]), "nms", "boxes are not finite"),
+    ],
+)
+def test_what_is_impossible_is_refused(
+    tmp_path: Path, refused: Callable[..., None], outputs: Outputs, layout: str | None, text: str
+) -> None:
+    """The outputs for a grey image tell a wrong layout, such as NanoDet as YOLOX, before it finds nothing, silently."""
+    write(tmp_path / "m.onnx", outputs, (_W, _H))
+    refused(text, layout=layout)
+
+
+def test_an_image_of_yolox_is_as_small_as_in_its_own_code() -> None:
+    """It truncates where the others round: 1000x668 in 416x416 is 277 pixels high, and not 278."""
+    heights = {}
+    for fit in (Fit.CORNER, Fit.CENTRED):
+        blob, _ = Preprocessing(fit, unit=False).prepare(np.full((668, 1000, 3), 255, np.uint8), (416, 416))
+        heights[fit] = int((blob[0, 0, :, 0] == 255).sum())
+    assert heights == {Fit.CORNER: 277, Fit.CENTRED: 278}
 
 
 def test_of_boxes_that_overlap_the_best_one_of_each_class_remains(tmp_path: Path) -> None:
@@ -314,6 +379,12 @@ def test_other_outputs_are_refused(tmp_path: Path, refused: Any, outputs: Output
     """A model that may have two layouts is not guessed at."""
     write(tmp_path / "m.onnx", {name: np.zeros(shape, np.float32) for name, shape in outputs.items()})
     refused(text, **options)
+
+
+def test_the_metadata_can_say_that_it_is_rtdetr(tmp_path: Path) -> None:
+    """The classes are ranked since Ultralytics 8.4; without objects, the rows may be those of other layouts."""
+    path = write(tmp_path / "m.onnx", {"o": np.zeros((1, 300, 6), np.float32)}, metadata={"head": "RTDETRDecoder"})
+    assert ObjectDetector(path).layout == "rtdetr"
 
 
 @pytest.mark.parametrize("metadata", [{"end2end": "True"}, {"args": {"batch": 1, "nms": True}}])

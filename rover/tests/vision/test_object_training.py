@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ onnx = pytest.importorskip("onnx", reason=NO_ONNX)
 onnxruntime = pytest.importorskip("onnxruntime", reason=NO_ONNX)
 
 from roverkit.objects.detected_objects import Box  # noqa: E402
-from roverkit.objects.training.training_examples import batches, changed, target  # noqa: E402
+from roverkit.objects.training.training_examples import batches, changed, random_order, target  # noqa: E402
 from roverkit.objects.yolo_folder import read_folder, write_folder  # noqa: E402
 
 from roverlink.runtime.core.errors import SetupError  # noqa: E402  # they need the libraries
@@ -71,29 +72,103 @@ def test_what_is_written_is_read(folder: Path) -> None:
         write_folder(folder, _NAMES, [])
 
 
-def test_exports_of_labelling_programs_are_read(folder: Path) -> None:
-    """Paths of another computer, outlines instead of boxes, and images without labels."""
+def _listed(folder: Path, part: str) -> str:
+    """A list of images as CVAT writes it."""
+    return "".join(f"data/{path.relative_to(folder)}\n" for path in sorted((folder / part).glob("*.jpg")))
+
+
+def _of_ultralytics(folder: Path) -> None:
     (folder / "data.yaml").write_text(
         "path: /home/somebody/set\ntrain: ../images/train\nval: images/val\nnc: 2\nnames: {0: disk, 1: square}\n"
     )
-    first = next((folder / "labels/train").iterdir())
+
+
+def _of_roboflow(folder: Path) -> None:
+    (folder / "data.yaml").write_text(
+        "train: [../images/train]\nval: [../images/val]\nnames: [disk, square]\ndate: 1\n"
+    )
+
+
+def _of_cvat(folder: Path) -> None:
+    (folder / "train.txt").write_text(_listed(folder, "images/train"))
+    (folder / "data.yaml").write_text("path: ./\ntrain: train.txt\nnames: {0: disk, 1: square}\n")
+
+
+def _of_cvat_1_1(folder: Path) -> None:
+    (folder / "images/train").rename(folder / "obj_train_data")
+    for path in (folder / "labels/train").iterdir():
+        path.rename(folder / "obj_train_data" / path.name)
+    (folder / "train.txt").write_text(_listed(folder, "obj_train_data"))
+    (folder / "data.yaml").unlink()
+    (folder / "obj.data").write_text("classes = 2\nnames = data/obj.names\ntrain = data/train.txt\nbackup = backup/\n")
+    (folder / "obj.names").write_text("disk\nsquare\n")
+
+
+def _of_label_studio(folder: Path) -> None:
+    for kind in ("images", "labels"):
+        for path in [*(folder / kind / "train").iterdir()]:
+            path.rename(folder / kind / path.name)
+        for path in (folder / kind / "val").iterdir():
+            path.unlink()
+    (folder / "data.yaml").unlink()
+    (folder / "classes.txt").write_text("disk\nsquare\n")
+
+
+def _of_everything(folder: Path) -> None:
+    (folder / "data.yaml").write_text("train: images\nval: images/val\nnames: [disk, square]\n")
+
+
+@pytest.mark.parametrize(
+    ("export", "counts", "told"),
+    [
+        (_of_ultralytics, (35, 5), []),
+        (_of_roboflow, (35, 5), ["the key 'date' is unknown, and has no effect"]),
+        (_of_cvat, (30, 5), ["there are no images for val only; 5 of train are measured, and not learnt"]),
+        (_of_cvat_1_1, (30, 5), ["there are no images for val only"]),
+        (_of_label_studio, (30, 5), ["there are no images for val only"]),
+        (_of_everything, (35, 5), ["5 images of train are in val, too, and are not learnt"]),
+    ],
+)
+def test_exports_of_labelling_programs_are_read(
+    folder: Path, export: Callable[[Path], None], counts: tuple[int, int], told: Sequence[str]
+) -> None:
+    """Each with its labels; no image is learnt and measured, and what is unusual is told."""
+    export(folder)
+    messages: list[str] = []
+    data = read_folder(folder, messages.append)
+    assert (len(data.train), len(data.val)) == counts
+    assert data.names == _NAMES
+    assert not {image.path.resolve() for image in data.train} & {image.path.resolve() for image in data.val}
+    assert all(len(image.read()[1]) == 2 for image in (*data.train, *data.val))
+    assert len(messages) == len(told)
+    for message, text in zip(messages, told):
+        assert text in message
+
+
+def test_labels_are_read_as_boxes_inside_the_image(folder: Path) -> None:
+    """An outline becomes a box, one that reaches out a little is clipped, and no file of labels is no object."""
+    first, second, *_, last = sorted((folder / "labels/train").iterdir())
     first.write_text("1 0.1 0.2 0.5 0.2 0.5 0.6 0.1 0.6\n\n")
-    second = sorted((folder / "labels/train").iterdir())[-1]
-    second.unlink()
-    data = read_folder(folder)
-    image = next(one for one in data.train if one.path.stem == first.stem)
-    ((index, box),) = image.read()[1]
+    second.write_text("0 0.98 0.5 0.1 0.2\n")
+    last.unlink()
+    messages: list[str] = []
+    images = {image.path.stem: image for image in read_folder(folder, messages.append).train}
+    assert "1 image without a file of labels" in messages[0]
+    ((index, box),) = images[first.stem].read()[1]
     assert index == 1
     assert _numbers(box) == pytest.approx([6.4, 12.8, 25.6, 25.6])
-    assert next(one for one in data.train if one.path.stem == second.stem).read()[1] == []
+    ((_, box),) = images[second.stem].read()[1]
+    assert _numbers(box) == pytest.approx([59.52, 25.6, 4.48, 12.8])
+    assert [images[path.stem].clipped() for path in (first, second, last)] == [0, 1, 0]
+    assert images[last.stem].read()[1] == []
 
 
 @pytest.mark.parametrize(
     ("line", "text"),
     [
-        ("2 0.5 0.5 0.1 0.1", "there is no class 2; data.yaml has 2 classes, from 0"),
+        ("2 0.5 0.5 0.1 0.1", "there is no class 2; there are 2, from 0"),
         ("0 0.5 0.5 0.1", "is not 'class x y width height'"),
-        ("0 0.5 0.5 1.1 0.1", "is no box inside the image; numbers are parts of it, from 0 to 1"),
+        ("0 0.5 0.5 1.3 0.1", "is no box inside the image; numbers are parts of it, from 0 to 1"),
         ("0 0.5 nan 0.1 0.1", "is no box inside the image"),
     ],
 )
@@ -103,14 +178,14 @@ def test_mistakes_in_labels_are_located(folder: Path, line: str, text: str) -> N
     path.write_text(f"0 0.5 0.5 0.1 0.1\n{line}\n")
     image = next(one for one in read_folder(folder).train if one.labels == path)
     with pytest.raises(SetupError, match=re.escape(f"{path}:2: ") + ".*" + re.escape(text)):
-        image.check()
+        image.clipped()
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("names: [a]\nval: images/val", "the key 'train' is missing"),
-        ("names: [a]\ntrain: none\nval: images/val", "2:8: the file: train: there is no folder"),
+        ("names: [a]\ntrain: none\nval: images/val", "2:8: train: there is no "),
         ("names: [a]\ntrain: labels/val\nval: images/val", "labels/val has no images"),
     ],
 )
@@ -127,7 +202,7 @@ def test_an_image_that_cannot_be_read_is_named(folder: Path) -> None:
     data = read_folder(folder)
     data.train[3].path.write_bytes(b"no image")
     with pytest.raises(SetupError, match="cannot read the image; remove it, or write it again"):
-        list(batches(data.train, _SIZE, 2, np.random.default_rng(0)))
+        list(batches(data.train, _SIZE, 2, random_order(len(data.train), np.random.default_rng(0))))
 
 
 def test_a_changed_image_has_its_boxes_where_its_objects_are() -> None:

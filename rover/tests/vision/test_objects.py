@@ -192,6 +192,14 @@ def test_numbers_rise_from_1_and_are_never_used_again() -> None:
     assert ids == [1, 2, 3, 4, 5]
 
 
+@pytest.mark.parametrize("seconds", [1, 2, 5])
+def test_a_slow_detector_sees_the_same_objects(seconds: int) -> None:
+    """Objects are forgotten after three periods, if that is longer than a second."""
+    tracker, detections = _tracker(), [_seen(100 + 150 * place, 100) for place in range(3)]
+    shown = [tracker.track(detections, number * seconds * _S) for number in range(5)]
+    assert [[one.id for one in objects] for objects in shown] == [[], *[[1, 2, 3]] * 4]
+
+
 def test_an_error_of_one_frame_is_no_object() -> None:
     """Neither is what the detector never was certain of."""
     tracked = _Tracked()
@@ -230,7 +238,8 @@ def test_a_hidden_object_stays_on_the_field() -> None:
     selection = _selected(3, _scene(3))
     assert (selection.object, selection.state) == (3, State.VISIBLE)
     assert selection.place(0, None).in_base.point == pytest.approx([3.5, 0, 1])
-    selection.see(_scene(), 2 * _S)
+    for tenth in range(1, 21):
+        selection.see(_scene(), tenth * _S // 10)
     assert selection.state is State.HELD
     place = selection.place(2 * _S, Pose(np.eye(3), np.array([-11.0, 0, 0])))
     assert place.in_map.point == pytest.approx([13, 0, 1])
@@ -247,7 +256,8 @@ def test_an_unknown_object_is_refused() -> None:
     selection = _selected(3, _scene(3), 60)
     assert not selection.select(4, 0)
     assert selection.object == 3
-    selection.see(_scene(4), 1)
+    for tenth in range(20):
+        selection.see(_scene(4), 1 + tenth * _S // 10)
     selection.see(_scene(5), KNOWN_NS + 1)
     assert selection.known(KNOWN_NS + 1) == [4, 5]
     assert not selection.select(3, KNOWN_NS + 1)
@@ -255,6 +265,36 @@ def test_an_unknown_object_is_refused() -> None:
     assert selection.select(4, KNOWN_NS + 1)
     selection.clear()
     assert (selection.object, selection.state) == (None, State.NONE)
-    for number in range(100):
-        selection.see(_scene(number), KNOWN_NS + number * _S)
-    assert len(selection.known(KNOWN_NS + 99 * _S)) == 3
+    for number in range(3, 103):
+        selection.see(_scene(number), number * _S)
+    assert len(selection.known(102 * _S)) == 4  # of three periods
+
+
+def test_a_slow_detector_keeps_its_object_visible() -> None:
+    """With an image in 2 s, an object is visible between the images, and not held, or lost after 1 s."""
+    selection, states = _selected(3, _scene(3), 1), set()
+    selection.see(_scene(3), 2 * _S)
+    for number in range(2, 9):
+        selection.update(2 * number * _S - 1)
+        states.add(selection.state)
+        selection.see(_scene(3), 2 * number * _S)
+    assert states == {State.VISIBLE}
+
+
+@pytest.mark.parametrize(
+    ("xs", "to_map", "state"),
+    [
+        ((3.05, 3.0, 3.1), _MAP, State.VISIBLE),
+        ((1.0, 1.0, 1.0), _MAP, State.LOST),
+        ((1.0, 1.0, 1.0), None, State.LOST),
+        ((1.0, 1.0, 3.0), _MAP, State.VISIBLE),  # a depth that was wrong twice
+        ((3.15, 3.3, 3.45), None, State.VISIBLE),  # the rover drives 1.5 m/s
+    ],
+)
+def test_an_object_that_is_suddenly_elsewhere_is_lost(xs: Sequence[float], to_map: Pose | None, state: State) -> None:
+    """The tracker has taken another object for it: an arm must not grip that one."""
+    selection = _selected(3, _scene(3, to_map=to_map))
+    for number, x in enumerate(xs, 1):
+        scene = Scene({3: Location(np.array([x, 0.0, 1.0]), np.eye(3) / 1e4)}, _BASE, to_map)
+        assert selection.see(scene, number * _S // 10) == (abs(x - 3) < 1)
+    assert selection.state is state

@@ -15,4 +15,4 @@ from roverlink.console import Subparsers, add_subcommands, documented_command
 def add(commands: Subparsers) -> None:
     """Add ``objects`` with its subcommands to the command line."""
     parser = documented_command(commands, __name__, __doc__, name="objects")
-    add_subcommands(parser, __name__, ("track", "select", "train", "measure", "render"))
+    add_subcommands(parser, __name__, ("track", "detect", "select", "train", "measure", "render"))

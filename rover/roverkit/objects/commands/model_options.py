@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from roverlink.console import parsed_number
+
 
 def add_model(parser: argparse.ArgumentParser) -> None:
     """Add the options that select a detector to a parser."""
@@ -26,3 +28,17 @@ def add_model(parser: argparse.ArgumentParser) -> None:
         help="YAML file with the names of the model's classes, if the model has none, and with the type of object for "
         "each class (default: that of the same name)",
     )
+
+
+def add_score(parser: argparse.ArgumentParser) -> None:
+    """Add the option ``--score`` to a parser."""
+    parser.add_argument(
+        "--score",
+        type=_share,
+        metavar="S",
+        help="ignore detections with a smaller confidence than this, from 0 to 1 (default: that of the detector)",
+    )
+
+
+def _share(text: str) -> float:
+    return parsed_number(text, float, lambda number: 0 <= number <= 1, "a number from 0 to 1, such as 0.4")

@@ -18,9 +18,9 @@ import argparse
 from roverkit.node.camera_outputs import add_outputs, middleware_of
 from roverkit.node.camera_source import add_playing, add_source
 from roverkit.node.program import node_arguments
-from roverkit.objects.commands.model_options import add_model
+from roverkit.objects.commands.model_options import add_model, add_score
 from roverkit.objects.object_declarations import TRACKER
-from roverlink.console import Subparsers, add_project, documented_command, parsed_number
+from roverlink.console import Subparsers, add_project, documented_command
 
 
 def add(commands: Subparsers) -> None:
@@ -40,12 +40,7 @@ def add(commands: Subparsers) -> None:
         help="with --depth: topic with the camera's parameters (default: camera_info beside the images)",
     )
     add_model(parser)
-    parser.add_argument(
-        "--score",
-        type=_share,
-        metavar="S",
-        help="ignore detections with a smaller confidence than this, from 0 to 1 (default: that of the detector)",
-    )
+    add_score(parser)
     add_outputs(parser, "objects")
     add_project(parser)
     parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
@@ -58,7 +53,3 @@ def run(arguments: argparse.Namespace) -> int:
     from roverkit.objects.object_tracker_program import track  # only here, so that the help needs no OpenCV
 
     return track(arguments, ros, logger)
-
-
-def _share(text: str) -> float:
-    return parsed_number(text, float, lambda number: 0 <= number <= 1, "a number from 0 to 1, such as 0.4")

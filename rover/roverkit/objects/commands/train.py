@@ -1,7 +1,8 @@
 """Train a small detector with labelled images.
 
-Train a small network with a folder of labelled images in YOLO's format (data.yaml, images/, labels/), and
-measure it with the folder's images 'val': the average precision of each class at an overlap of 50 % (AP50).
+Train a small network with a folder of labelled images in YOLO's format, as CVAT, Label Studio and Roboflow
+export it, and measure it with the folder's images 'val': the average precision of each class at an overlap of
+50 % (AP50). After Ctrl-C, the result is that of the epochs that are complete; --resume goes on.
 It needs jax, optax and onnx: pip install 'jax>=0.4.30' 'optax>=0.2' 'onnx>=1.16'.
 
 Example: roverlink objects train scenes --out rocks.onnx
@@ -43,6 +44,11 @@ def add(commands: Subparsers) -> None:
     )
     parser.add_argument(
         "--seed", type=int, default=1, metavar="N", help="another network for another number (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with a stopped training of the same images and options, from its checkpoint beside --out",
     )
     parser.add_argument("--json", action="store_true", help="print the result as a JSON object")
     parser.set_defaults(run=run)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -13,7 +13,7 @@ import numpy as np
 from roverkit.objects.training.jax_network import Weights, new_weights, outputs
 from roverkit.objects.training.libraries import jax, jnp, optax
 from roverkit.objects.training.network import BOX
-from roverkit.objects.training.training_examples import BATCH, Batch, batches
+from roverkit.objects.training.training_examples import BATCH, Batch, batches, random_order
 from roverkit.objects.yolo_folder import LabelledImage
 from roverlink.runtime.core.errors import SetupError
 
@@ -27,24 +27,37 @@ Report = Callable[[int, int], None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Learnt:
-    """Trained network."""
+    """Network after a number of epochs, with what is needed to go on."""
 
+    epochs: int
     weights: Weights
     statistics: Weights
+    state: Sequence[Any]
+    """Arrays of the optimizer."""
 
 
 def learn(
-    images: Sequence[LabelledImage], classes: int, size: tuple[int, int], epochs: int, seed: int, report: Report
-) -> Learnt:
-    """Train a network with images for a number of epochs. Raises `SetupError` if an image cannot be read.
+    images: Sequence[LabelledImage],
+    classes: int,
+    size: tuple[int, int],
+    epochs: int,
+    seed: int,
+    report: Report,
+    begun: Learnt | None = None,
+) -> Iterator[Learnt]:
+    """Train a network with images, and yield it after each epoch. Raises `SetupError` if an image cannot be read.
 
-    `size` is (width, height) of the network's input. A seed gives the same network on the same computer.
+    `size` is (width, height) of the network's input. A seed gives the same network on the same computer, also if the
+    training goes on from `begun`.
     """
-    weights, statistics = new_weights(seed, classes)
+    weights, statistics = (begun.weights, begun.statistics) if begun else new_weights(seed, classes)
     steps = epochs * max(1, len(images) // BATCH)
     schedule = optax.warmup_cosine_decay_schedule(0.0, _RATE, max(1, steps // 20), max(2, steps))
     optimizer = optax.chain(optax.clip_by_global_norm(5.0), optax.adamw(schedule, weight_decay=_DECAY))
     state = optimizer.init(weights)
+    structure = jax.tree.structure(state)
+    if begun:
+        state = jax.tree.unflatten(structure, begun.state)
 
     def step(weights: Any, statistics: Any, state: Any, batch: Any) -> Any:
         (value, found), slope = jax.value_and_grad(partial(loss, train=True), has_aux=True)(weights, statistics, *batch)
@@ -54,14 +67,18 @@ def learn(
     fast = jax.jit(step)
     rng = np.random.default_rng([seed, 1])
     done = 0
-    for _ in range(epochs):
-        for batch in batches(images, size, classes, rng):
+    for epoch in range(1, epochs + 1):
+        order = random_order(len(images), rng)
+        if begun and epoch <= begun.epochs:
+            done += steps // epochs
+            continue
+        for batch in batches(images, size, classes, order):
             weights, statistics, state, value = fast(weights, statistics, state, _arrays(batch))
             done += 1
             report(done, steps)
-    if not math.isfinite(float(value)):
-        raise SetupError("the training diverged; use more images, or another --seed")
-    return Learnt(weights, statistics)
+        if not math.isfinite(float(value)):
+            raise SetupError("the training diverged; use more images, or another --seed")
+        yield Learnt(epoch, weights, statistics, jax.tree.leaves(state))
 
 
 def loss(

@@ -38,23 +38,33 @@ class Batch:
     """Weight (B, h, w) of the box; 0 where there is none."""
 
 
-def batches(
-    images: Sequence[LabelledImage], size: tuple[int, int], classes: int, rng: np.random.Generator
-) -> Iterator[Batch]:
-    """Yield the images in random order and with random changes, once. `size` is (width, height) of the input.
+@dataclass(frozen=True, slots=True, eq=False)
+class Order:
+    """Order in which images are learnt once, and the seeds of their random changes."""
+
+    indices: NDArray[np.intp]
+    seeds: NDArray[np.int64]
+
+
+def random_order(images: int, rng: np.random.Generator) -> Order:
+    """Return a random order of a number of images; few images are repeated in a batch."""
+    indices = rng.permutation(max(images, BATCH)) % images
+    return Order(indices, rng.integers(0, 2**63, len(indices)))
+
+
+def batches(images: Sequence[LabelledImage], size: tuple[int, int], classes: int, order: Order) -> Iterator[Batch]:
+    """Yield the images in an order and with random changes, once. `size` is (width, height) of the input.
 
     Raises `SetupError` if an image or its labels cannot be read.
     """
-    order = rng.permutation(max(len(images), BATCH)) % len(images)  # few images are repeated in a batch
-    seeds = rng.integers(0, 2**63, len(order))
 
     def example(place: int) -> tuple[Image, list[Label]]:
-        image, labels = images[order[place]].read()
-        return changed(image, labels, size, np.random.default_rng(seeds[place]))
+        image, labels = images[order.indices[place]].read()
+        return changed(image, labels, size, np.random.default_rng(order.seeds[place]))
 
     # The next images are read while the network learns.
     with ThreadPoolExecutor(1) as pool:
-        groups = [range(start, start + BATCH) for start in range(0, len(order) - BATCH + 1, BATCH)]
+        groups = [range(start, start + BATCH) for start in range(0, len(order.indices) - BATCH + 1, BATCH)]
         waiting = [pool.submit(lambda group: [example(labelled) for labelled in group], group) for group in groups[:2]]
         for number in range(len(groups)):
             found = waiting.pop(0).result()

@@ -18,7 +18,7 @@ from roverkit.objects.detector import ObjectDetector
 from roverkit.objects.metrics import average_precisions
 from roverkit.objects.scenes import CLASSES, scenes
 from roverkit.objects.training.network import MULTIPLE
-from roverkit.objects.yolo_folder import Label, LabelledImage, read_folder, write_folder
+from roverkit.objects.yolo_folder import Label, LabelledImage, YoloFolder, read_folder, write_folder
 from roverkit.vision.markers.detection import Image
 from roverlink.console import counted, print_note
 from roverlink.progress import progress
@@ -46,30 +46,56 @@ def render(folder: Path, images: int, seed: int) -> None:
 
 
 def train(arguments: argparse.Namespace) -> None:
-    """Train a network, and print its average precisions. Raises `SetupError` for bad images, or a taken name."""
+    """Train a network, and print its average precisions. Raises `SetupError` for bad images, or a taken name.
+
+    Ctrl-C ends the training: the result is that of the epochs that are complete.
+    """
     if any(side % MULTIPLE for side in arguments.size):
         width, height = arguments.size
         raise SetupError(f"--size is {width}x{height}; width and height must be multiples of {MULTIPLE}")
-    data = read_folder(arguments.folder)
-    for labelled in (*data.train, *data.val):  # a mistake in a label is told before the training, and not in the middle
-        labelled.check()
-    from roverkit.objects.training.learning import learn  # only here: `measure` needs no jax
+    data = _folder(arguments.folder)
+    # Only here: `measure` needs no jax.
+    from roverkit.objects.training.checkpoint import Plan, checkpoint_of, read_checkpoint, write_checkpoint
+    from roverkit.objects.training.learning import learn
     from roverkit.objects.training.onnx_file import check_replaceable, write_model
 
     check_replaceable(arguments.out)
-    with progress("training") as report:
-        learnt = learn(data.train, len(data.names), arguments.size, arguments.epochs, abs(arguments.seed), report)
-    description = (
-        f"trained with {counted(len(data.train), 'image')} in {arguments.epochs} epochs, seed {arguments.seed}"
-    )
+    seed, checkpoint = abs(arguments.seed), checkpoint_of(arguments.out)
+    files = tuple(image.path.name for image in data.train)
+    plan = Plan(files, data.names, arguments.size, arguments.epochs, seed)
+    begun = read_checkpoint(checkpoint, plan) if arguments.resume else None
+    if not begun and checkpoint.exists():
+        print_note(f"{checkpoint} is replaced after the first epoch; with --resume, its training goes on")
+    newest = [begun] if begun else []
+    try:
+        with progress("training") as report:
+            for now in learn(data.train, len(data.names), arguments.size, arguments.epochs, seed, report, begun):
+                newest = [now]
+                write_checkpoint(checkpoint, plan, now)
+    except KeyboardInterrupt:
+        if not newest:
+            raise
+        print_note(f"stopped after {newest[0].epochs} of {arguments.epochs} epochs; --resume goes on")
+    learnt = newest[0]
+    description = f"trained with {counted(len(data.train), 'image')} in {learnt.epochs} epochs, seed {arguments.seed}"
     write_model(arguments.out, learnt.weights, learnt.statistics, data.names, arguments.size, description)
+    if learnt.epochs == arguments.epochs:
+        checkpoint.unlink(missing_ok=True)
     print_note(f"wrote {arguments.out}")
     _print(_measured(ObjectDetector(arguments.out, score=_LEAST), data.val, data.names), data.val, arguments)
 
 
+def _folder(path: Path) -> YoloFolder:
+    """Read a folder, and check all labels: a mistake is told before the training, and not in the middle of it."""
+    data = read_folder(path)
+    if clipped := sum(labelled.clipped() for labelled in (*data.train, *data.val)):
+        print_note(f"{path}: boxes that reach out of the image are clipped ({clipped})")
+    return data
+
+
 def measure(arguments: argparse.Namespace) -> None:
     """Print the average precisions of a detector. Raises `SetupError` if the classes of the images are others."""
-    data = read_folder(arguments.folder)
+    data = _folder(arguments.folder)
     detector, _ = open_detector(arguments, _LEAST)
     if detector.class_names and not set(data.names) & set(detector.class_names):
         raise SetupError(

@@ -31,11 +31,11 @@ class _Recorded:
 class ImageFiles(_Recorded):
     """Image file, or folder of image files. Numbers in names are sorted by value: `2.png` comes before `10.png`."""
 
-    def __init__(self, path: Path, rate: float, say: Say = lambda _: None) -> None:
+    def __init__(self, path: Path, rate: float, say: Say = lambda _: None, *, upright: bool = False) -> None:
         """List the images; `rate` is the number of images a second.
 
-        `say` is called with a message about each image that cannot be read. Raises `SetupError` if the folder has no
-        images.
+        `say` is called with a message about each image that cannot be read. With `upright`, images are rotated as their
+        metadata says, for which the camera's parameters are not valid. Raises `SetupError` if the folder has no images.
         """
         found = (
             [path]
@@ -48,6 +48,7 @@ class ImageFiles(_Recorded):
         self.unreadable: list[Path] = []
         """Images so far that cannot be read, in the order of `paths`."""
         self._say = say
+        self._flags = cv2.IMREAD_COLOR | (0 if upright else cv2.IMREAD_IGNORE_ORIENTATION)
         super().__init__(str(path), rate, len(found))
 
     def __iter__(self) -> Iterator[Frame]:
@@ -56,7 +57,7 @@ class ImageFiles(_Recorded):
         An image that cannot be read is skipped, and named once. Raises `SetupError` if no image can be read.
         """
         for number, path in enumerate(self.paths):
-            image = cv2.imread(str(path), cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
+            image = cv2.imread(str(path), self._flags)
             if image is None:
                 self._skip(path)
                 continue

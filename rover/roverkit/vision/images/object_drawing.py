@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from roverkit.objects.detected_objects import TrackedObject
+from roverkit.objects.detected_objects import Box, ObjectDetection, TrackedObject
 from roverkit.objects.location import Location
 from roverkit.vision.images.drawing import Colour, line_width, write_label
 from roverkit.vision.markers.detection import Image, to_colour
@@ -27,14 +27,37 @@ def draw_objects(image: Image, objects: Sequence[TrackedObject], locations: Mapp
 
     `locations` has the positions that are known, by the numbers of the objects.
     """
+    return _drawn(
+        image,
+        [
+            (tracked.box, tracked.id, f"{tracked.id} {tracked.class_name}{_distance(locations.get(tracked.id))}")
+            for tracked in objects
+        ],
+    )
+
+
+def draw_detections(image: Image, objects: Sequence[ObjectDetection]) -> Image:
+    """Return a copy (H, W, 3) of an image with the box, class and confidence of each object drawn into it."""
+    names = sorted({detected.class_name for detected in objects})
+    return _drawn(
+        image,
+        [
+            (detected.box, names.index(detected.class_name), f"{detected.class_name} {detected.confidence:.2f}")
+            for detected in objects
+        ],
+    )
+
+
+def _drawn(image: Image, boxes: Sequence[tuple[Box, int, str]]) -> Image:
+    """Return a copy of an image with boxes, each with the number of its colour and its label."""
     drawn = to_colour(image)
-    for tracked in objects:
-        box, colour = tracked.box, _COLOURS[tracked.id % len(_COLOURS)]
+    for box, number, _ in boxes:
         corners = [(round(box.x), round(box.y)), (round(box.x + box.width), round(box.y + box.height))]
-        cv2.rectangle(drawn, *corners, colour, line_width(drawn) + 1, cv2.LINE_AA)
-    for tracked in objects:  # after all boxes, which would cross them
-        location = locations.get(tracked.id)
-        distance = f" {location.point[2]:.1f} m" if location else ""
-        place = tracked.box.x, tracked.box.y - 4 * line_width(drawn)
-        write_label(drawn, f"{tracked.id} {tracked.class_name}{distance}", place)
+        cv2.rectangle(drawn, *corners, _COLOURS[number % len(_COLOURS)], line_width(drawn) + 1, cv2.LINE_AA)
+    for box, _, label in boxes:  # after all boxes, which would cross them
+        write_label(drawn, label, (box.x, box.y - 4 * line_width(drawn)))
     return drawn
+
+
+def _distance(location: Location | None) -> str:
+    return f" {location.point[2]:.1f} m" if location else ""
