@@ -50,6 +50,10 @@ class Packages:
                 return str(found[0]) if len(found) == 1 else path
         return path
 
+    def holds(self, path: str) -> bool:
+        """Return true for a path below the folders in which packages are searched."""
+        return any(Path(path).is_relative_to(top) for top in self._tops)
+
     def _search(self) -> Iterator[tuple[str, Path]]:
         for top in reversed(self._tops):
             for folder, inner, files in os.walk(top):

@@ -53,7 +53,13 @@ class PythonFile:
             function = names.get("generate_launch_description")
             if function is None:
                 raise UnreadableFileError(Span(self._shown), "the file has no function generate_launch_description")
-            return actions_of(function())
+            description = function()
+            if description is None:
+                raise UnreadableFileError(self._place_of(function), "generate_launch_description returns nothing")
+            return actions_of(description)
+
+    def _place_of(self, function: Any) -> Span:
+        return Span(self._shown, function.__code__.co_firstlineno)
 
     def called(self, function: Any, context: Context) -> list[Action]:
         """Call a function of an OpaqueFunction, and return its actions.
@@ -82,7 +88,8 @@ class PythonFile:
             ) from error
         except (Exception, SystemExit) as error:
             message = f"{type(error).__name__}: {error}"
-            is_missing = isinstance(error, FileNotFoundError) and "/" not in str(error.filename)  # a program
+            # A program, or a file that only the robot has, or that the build makes.
+            is_missing = isinstance(error, FileNotFoundError)
             if (
                 UNKNOWN_SHARE in message
                 or is_missing

@@ -43,6 +43,25 @@ from check_launch.expansion.launch_context import Context, Packages
 from check_launch.expansion.substitutions import Substitution, UnknownTextError, is_true, text_of
 from roverlink.generator.diagnostics import Span
 
+OPTIONS_OF_NODES = frozenset(
+    {"package", "executable", "name", "namespace", "parameters", "remappings", "arguments", "ros_arguments"}
+    | {"exec_name", "plugin", "extra_arguments", "composable_node_descriptions", "target_container"}
+    | {"cmd", "prefix", "cwd", "env", "additional_env", "process_description", "condition"}
+    | {
+        "shell",
+        "sigterm_timeout",
+        "sigkill_timeout",
+        "emulate_tty",
+        "output",
+        "output_format",
+        "cached_output",
+        "log_cmd",
+    }
+    | {"on_exit", "respawn", "respawn_delay", "respawn_max_retries", "autostart", "node_executable", "node_name"}
+    | {"node_namespace", "package_name", "description"}
+)
+"""Keyword arguments of Node, ComposableNode and of the actions below them (launch, launch_ros)."""
+
 
 class Ignored:
     """An object of a launch file that starts nothing, or that these stand-ins do not know."""
@@ -425,6 +444,7 @@ class StandIns:
             ],
             list(arguments or ()),
             list(ros_arguments or ()),
+            [option for option in options if option not in OPTIONS_OF_NODES],
         )
 
     def _given(self, given: Any, place: Span) -> Iterable[GivenParameter | GivenFile]:

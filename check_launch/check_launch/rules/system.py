@@ -58,6 +58,8 @@ class RunningNode:
     namespace: str
     is_inner: bool = False
     """True for a node that another node creates."""
+    has_known_name: bool = True
+    """False if the node's program gives a name that is not known, or if it is known at run time only."""
     view: ParameterView | None = None
     connections: list[Connection] = field(default_factory=list)
     connections_before: list[str] = field(default_factory=list)
@@ -95,8 +97,6 @@ class Variants:
 
     parameters: frozenset[Use]
     """Given parameters that a node has."""
-    sections: frozenset[Use]
-    """Patterns of sections of parameter files that are for a node."""
     remappings: frozenset[Use]
     """Remappings that have an effect."""
     ends: frozenset[tuple[str, str]]
@@ -110,14 +110,17 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
         facts = _facts(started, catalogue, system)
         name = _name(started, facts)
         namespace = started.namespace if started.namespace is not None else ""
-        node = RunningNode(started, facts, name, _absolute(namespace))
+        is_known = started.namespace is not None and bool(started.name or (started.name == "" and facts))
+        node = RunningNode(started, facts, name, _absolute(namespace), has_known_name=is_known)
         system.nodes.append(node)
         for inner in facts.nodes if facts else ():
             inner_facts = catalogue.classes.get(inner.class_name)
-            system.nodes.append(
-                RunningNode(started, inner_facts, inner.name, joined(node.namespace, inner.namespace), is_inner=True)
-            )
+            inner_namespace = joined(node.namespace, inner.namespace)
+            system.nodes.append(RunningNode(started, inner_facts, inner.name, inner_namespace, True, is_known))
     for node in system.nodes:
+        node.sections = [
+            (use, section) for use in node.started.files for section in use.sections if section.matches(node.full_name)
+        ]
         if node.facts is not None:
             _complete(node, node.facts, catalogue)
     for node in system.nodes:
@@ -238,15 +241,12 @@ def _complete(node: RunningNode, facts: NodeClass, catalogue: Catalogue) -> None
     """Find the parameters, topics and transforms of a node."""
     started = node.started
     given: dict[str, GivenValue] = {value.name: value for value in started.general_values}
-    for use in started.files:
-        for section in use.sections:
-            if section.matches(node.full_name):
-                node.sections.append((use, section))
-                given |= {value.name: value for value in section.values}
+    for _, section in node.sections:
+        given |= {value.name: value for value in section.values}
     if not node.is_inner:
         given |= {value.name: value for value in started.values}
     given |= {value.name: value for value in _of_arguments(started, facts.arguments)}
-    view = node.view = ParameterView(facts, given, catalogue)
+    view = node.view = ParameterView(facts, given, catalogue, started.has_unknown_files)
     for prefix, endpoint in view.endpoints:
         node.connections += _connections(node, view, prefix, endpoint, started.remappings)
     of_tree = next((rule for rule in started.remappings if rule.target and "/tf" in sources_of(rule, node)), None)
