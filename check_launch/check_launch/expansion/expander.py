@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from check_launch.expansion.actions import (
@@ -156,12 +157,14 @@ class Expander:
         shown: Callable[[str], str],
         stored: Mapping[tuple[str, str], Any],
         known: Collection[str],
+        environment: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """``shown`` returns the name of a file in messages.
 
         ``stored`` are descriptions of launch files, by their packages and paths. ``known`` are packages of which it is
-        no news that they are not there.
+        no news that they are not there. ``environment`` are variables of the environment that every robot has.
         """
+        self.environment = environment
         self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
         self._declarative: dict[str, tuple[list[Action], list[Diagnostic]]] = {}
         self._python: dict[str, PythonFile] = {}
@@ -186,7 +189,7 @@ class Expander:
     def python(self, path: str) -> PythonFile:
         """Return a Python launch file. Raises `UnreadableFileError`."""
         if path not in self._python:
-            self._python[path] = PythonFile(Path(path), self._shown(path), self._packages)
+            self._python[path] = PythonFile(Path(path), self._shown(path), self._packages, self.environment)
         return self._python[path]
 
     def sections(self, path: str, text_of: Callable[[str], str | None] | None) -> list[Section]:
@@ -216,7 +219,7 @@ class _Run:
 
     def __init__(self, expander: Expander, packages: Packages, arguments: Mapping[str, str | None]) -> None:
         self._expander = expander
-        self.context = Context(packages, dict(arguments))
+        self.context = Context(packages, dict(arguments), dict(expander.environment))
         self.result = Expansion(dict(arguments))
         self._depth = 0
         self._skips = 0  # includes of files that are not here
@@ -250,6 +253,9 @@ class _Run:
         except NeedsMoreError as error:
             self.result.unevaluated.add(path)
             return [], [NotExpanded.at(error.place, str(error))]
+        except UnknownTextError as error:
+            self.result.unevaluated.add(path)
+            return [], [NotExpanded.at(place, f"the file needs '{error}', which is known at run time only")]
 
     def _run(self, actions: Iterable[Action]) -> None:
         for action in actions:
@@ -421,7 +427,7 @@ class _Run:
             ):
                 shown = self._expander.shown(path) if missing is None else f"{missing[1]} of {missing[0]}"
                 new = stated_facts().new_name(text, self.result.declared.__contains__)
-                help = f"it is now '{new}'" if new else did_you_mean(all_nearest(text, self.result.declared))
+                help = f"it is now '{new}'" if new else did_you_mean(all_nearest(text, self.result.declared, 0.8))
                 finding = UndeclaredArgument.at(place, f"{shown} has no argument '{text}'", help)
                 self.result.findings.append(as_warning(finding))
 

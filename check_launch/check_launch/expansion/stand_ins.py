@@ -176,6 +176,9 @@ class ReplaceString(Substitution):
     def perform(self, context: substitutions.Surroundings) -> str:
         return text_of(self.source_file, context)
 
+    def stored(self) -> Any:
+        return substitutions.stored_text(self.source_file)
+
 
 class HasNodeParams(Substitution):
     """``True`` if a parameter file has a section for a node (nav2_common)."""
@@ -190,6 +193,9 @@ class HasNodeParams(Substitution):
         except (OSError, yaml.YAMLError) as error:
             raise UnknownTextError(str(path)) from error
         return str(isinstance(data, dict) and self.node_name in data)
+
+    def stored(self) -> Any:
+        return {"unknown": ""}
 
 
 class ParseMultiRobotPose:
@@ -273,7 +279,11 @@ class StandIns:
             for name, member in vars(substitutions).items()
             if isinstance(member, type) and issubclass(member, Substitution)
         }
-        share = self._packages.share
+        share, packages = self._packages.share, self._packages
+
+        class LaunchContext(Context):
+            def __init__(self, **_: Any) -> None:
+                super().__init__(packages)
 
         class FindPackageShare(substitutions.FindPackageShare):
             def find(self, package: str) -> str:
@@ -286,7 +296,7 @@ class StandIns:
             else {
                 "LaunchDescription": LaunchDescription,
                 "Substitution": Substitution,
-                "LaunchContext": Context,
+                "LaunchContext": LaunchContext,
                 "Action": Action,
             }
         )

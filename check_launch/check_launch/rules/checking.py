@@ -82,7 +82,9 @@ class Checker:
             if class_name in catalogue.classes
             for endpoint in catalogue.classes[class_name].endpoints
         ]
-        self._expander = Expander(Packages(packages), shown_path, stored, catalogue.packages)
+        self._expander = Expander(
+            Packages(packages), shown_path, stored, catalogue.packages, {"ROS_DISTRO": catalogue.distribution}
+        )
 
     def check(self, files: Iterable[Path], arguments: Mapping[str, str]) -> Checked:
         """Check launch files with some values of their arguments, and parameter files."""
@@ -103,7 +105,7 @@ class Checker:
             try:
                 if shown not in sections.files:
                     found = ParameterFile(path, shown).sections(_known_text)
-                    checked.findings += sections.standalone(found, shown)
+                    checked.findings += sections.standalone(found, shown, is_unused=bool(launch_files))
             except NoParametersError:
                 pass  # a file with another meaning: no launch file gives it to a node
             except UnreadableFileError as error:

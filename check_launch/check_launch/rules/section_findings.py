@@ -93,7 +93,7 @@ class Sections:
             yield SectionWithoutNode.at(at, message, did_you_mean(list(dict.fromkeys(starved))[:3]))
             return
         near = sorted({node.name for node in nodes if is_misspelling(name, node.name)})
-        if near:
+        if near and name not in self._classes:
             yield SectionWithoutNode.at(at, message, did_you_mean(near))
             return
         for finding in self._of_name(section):  # of a node that is started elsewhere
@@ -111,17 +111,19 @@ class Sections:
             return usual.name == node.facts.name
         return self._fits(section.values, node.facts) >= _ENOUGH
 
-    def standalone(self, sections: Iterable[Section], shown: str) -> Iterator[Diagnostic]:
+    def standalone(self, sections: Iterable[Section], shown: str, is_unused: bool) -> Iterator[Diagnostic]:
         """Yield findings about the sections of a file that no launch file of the check gives to a node.
 
-        A section is that of the node whose usual name it has, if the node also has its parameters.
+        A section is that of the node whose usual name it has, if the node also has its parameters. With ``is_unused``,
+        there are launch files that could have used the file, and the findings are hints.
         """
         for section in sections:
             yield from _repeated(section)
             facts = self._classes.get(section.node_name)
             if facts is not None and self._fits(section.values, facts) > 0:
                 self.read_files.add(shown)
-            yield from self._of_name(section)
+            for finding in self._of_name(section):
+                yield as_hint(finding) if is_unused else finding
 
     def _of_name(self, section: Section) -> Iterator[Diagnostic]:
         facts = self._classes.get(section.node_name)

@@ -291,7 +291,8 @@ def _connections(
         if name == "":
             continue
         place = named.place if named else node.started.place
-        topic = full_name(name.replace("{node}", node.name), node) if name is not None else None
+        process = _absolute(node.started.namespace or "")
+        topic = name and full_name(name.replace("{node}", node.name).replace("{process}", process), node)
         if topic:
             node.connections_before.append(topic)
         if view.holds(when, prefix) is False:
@@ -317,10 +318,11 @@ def _connections(
 
 def _spellings(view: ParameterView, prefix: str, endpoint: Endpoint) -> Iterator[tuple[str, str, str]]:
     """Yield the name of a topic and its two conditions, for each name that ``{x}`` in them stands for."""
-    joint = "\0".join((endpoint.name.replace("{node}", "\1"), endpoint.when, endpoint.needed))
+    named = endpoint.name.replace("{node}", "\1").replace("{process}", "\2")
+    joint = "\0".join((named, endpoint.when, endpoint.needed))
     for spelling in view.spelled(joint, prefix):
         name, when, needed = spelling.split("\0")
-        yield name.replace("\1", "{node}"), when, needed
+        yield name.replace("\1", "{node}").replace("\2", "{process}"), when, needed
 
 
 def full_name(name: str, node: RunningNode) -> str:
