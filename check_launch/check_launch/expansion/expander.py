@@ -436,7 +436,7 @@ class _Run:
         if found := package_of_share(path):
             share = self.context.packages.share(found[0])
             return path if package_of_share(share) else self.context.packages.existing(os.path.join(share, found[1]))
-        return self.context.packages.existing(os.path.join(os.path.dirname(self._path), path))
+        return self.context.packages.existing(path, os.path.dirname(self._path))
 
     def _is_elsewhere(self, path: str) -> bool:
         """Return true for a file that is not here, and that is not one of the checked packages."""
@@ -557,6 +557,10 @@ class _Run:
             self._report(NotExpanded, given.place, f"'{path}' is a file of the robot; its parameters are not checked")
             return None
         if not os.path.exists(path):
+            if not os.path.isabs(text) and text.endswith((".yaml", ".yml")):
+                message = f"'{text}' is relative to the folder in which `ros2 launch` runs; it is not checked"
+                self._report(NotExpanded, given.place, message)
+                return None
             self._report(MissingFile, given.place, f"the parameter file {shown} is not there")
             return None
         try:

@@ -111,7 +111,7 @@ def _with_substitutions(node: yaml.Node | None) -> Iterator[str]:
 def _without_value(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterator[tuple[str, Span]]:
     """Yield the names and places of parameters without a value (``No value at line`` of rcl_yaml_param_parser)."""
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
-        if in_parameters and isinstance(value, yaml.ScalarNode) and value.value == "" and value.style is None:
+        if in_parameters and isinstance(value, yaml.ScalarNode) and value.value == "" and not value.style:
             yield str(key.value), place_of(key, shown)
         yield from _without_value(value, shown, in_parameters or key.value == KEY)
 

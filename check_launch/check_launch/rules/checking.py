@@ -99,7 +99,7 @@ class Checker:
                 checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
         alone = {shown: path for shown, path in parameter_files.items() if shown not in sections.files}
         others = self._with_loaders(alone, sections)
-        checked.findings += [one for one in others if one.span.file in alone]
+        checked.findings += [one for one in others if one.span.file in alone and one.rule.id[:3] in ("PAR", "PLG")]
         checked.findings += sections.findings()
         for shown, path in alone.items():
             try:

@@ -6,12 +6,13 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
+from itertools import chain
 from typing import Any
 
 from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Parameter, PluginSlot
 from check_launch.expansion.parameter_files import UNKNOWN, GivenValue
 from check_launch.expansion.substitutions import UnknownTextError, evaluated
-from check_launch.misspellings import nearest
+from check_launch.misspellings import is_misspelling
 from check_launch.rules.stated_facts import stated_facts
 from roverlink.generator.diagnostics import Span
 
@@ -19,7 +20,6 @@ _LIST = re.compile(r"\{([^{}#*]+)\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
 _NUMBER = r"(0|[1-9]\d*)"
 _ANY_NAME = r"[^.]+"
-_SIMILAR = 0.85
 _STAMPED = "enable_stamped_cmd_vel"
 _VELOCITIES = {"geometry_msgs/msg/Twist": False, "geometry_msgs/msg/TwistStamped": True}
 """Types of velocities, and whether they have a stamp."""
@@ -60,9 +60,18 @@ class ParameterView:
     plugins: list[LoadedPlugin] = field(default_factory=list)
     endpoints: list[tuple[str, Endpoint]] = field(default_factory=list)
     """Topics of the node and its plugins, each with the beginning of its parameters."""
+    _listed: set[str] = field(default_factory=set)
+    """Plugins in the lists that are given."""
+    _unlisted: set[str] = field(default_factory=set)
+    """Beginnings of the names of plugins whose list is not given."""
 
     def __post_init__(self) -> None:
         self._add(self.facts, "", set())
+        # Another file may list other plugins, and say of which types they are.
+        for prefix in self._unlisted:
+            names = {key.removeprefix(prefix) for key in self.given if key.startswith(prefix)}
+            groups = {prefix + name.partition(".")[0] for name in names if "." in name}
+            self.open += sorted(f"{group}." for group in groups - self._listed)
 
     def known(self, name: str) -> Parameter | None:
         """Return the parameter with a name; None if the node has none."""
@@ -232,13 +241,10 @@ class ParameterView:
         if names is None:
             self.open.append(prefix)
             return
-        if self.is_partial and full not in self.given:
-            # Another file may list other plugins, and say of which types they are.
-            self.open += {
-                f"{prefix}{key.removeprefix(prefix).partition('.')[0]}."
-                for key in self.given
-                if key.startswith(prefix) and "." in key.removeprefix(prefix)
-            }
+        if full in self.given:
+            self._listed |= {prefix + name for name in names}
+        elif self.is_partial:
+            self._unlisted.add(prefix)
         for name in names:
             inner = f"{prefix}{name}."
             type_, type_place = self._type(slot, facts, prefix, name)
@@ -283,7 +289,10 @@ class ParameterView:
                 found = found or self.catalogue.plugins.get(spelling.format(plugin.type))
         self.plugins.append(replace(plugin, base=found.base if found else ""))
         if found is None and plugin.type:  # the parameters of the plugin that is likely meant; rules report the type
-            found = self.catalogue.plugins.get(nearest(plugin.type, self.catalogue.plugins, _SIMILAR))
+            names = self.catalogue.plugins
+            same = (name for name in names if name.replace("::", "/") == str(plugin.type).replace("::", "/"))
+            near = (name for name in names if is_misspelling(str(plugin.type), name))
+            found = names.get(next(chain(same, near), ""))
         facts = self.catalogue.classes.get(found.class_name) if found else None
         if found is None:
             self.open.append(prefix)

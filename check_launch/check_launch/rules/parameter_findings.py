@@ -32,6 +32,8 @@ _OF_LIBRARIES = re.compile(
 )
 """Parameters that the client libraries, diagnostic_updater and the publishers of image_transport declare."""
 _TYPES: dict[str, type | tuple[type, ...]] = {"bool": bool, "integer": int, "double": float, "string": str}
+_SAME_PART, _SAME_NAME = 0.84, 0.85
+"""Similarities from which the last part of a name, or a whole name, is likely a misspelling of another one."""
 _SPELLED = {
     bool: "a truth value",
     int: "a whole number",
@@ -119,10 +121,11 @@ def _unknown(given: GivenValue, shown: str, view: ParameterView, system: System 
             return UnknownParameter.at(at, f"{message} any more", help)
     if new := stated_facts().new_name(given.name, lambda name: view.known(name) is not None):
         return UnknownParameter.at(at, f"{message} any more", f"it is now '{new}'")
-    if near := all_nearest(given.name, known, 0.75):
+    if near := _nearest_parameters(given.name, known):
         return UnknownParameter.at(at, message, did_you_mean(near))
     last = given.name.rpartition(".")[2]
-    elsewhere = [name for name in known if name.rpartition(".")[2] == last]
+    new = stated_facts().new_last_part(given.name)
+    elsewhere = [name for name in known if name.rpartition(".")[2] in (last, new)]
     if elsewhere:
         places = _listed(elsewhere)
         return MisplacedParameter.at(at, f"'{given.name}' has no effect here in {shown}", f"it belongs to {places}")
@@ -133,9 +136,18 @@ def _unknown(given: GivenValue, shown: str, view: ParameterView, system: System 
     ]
     if others:
         return MisplacedParameter.at(at, message, f"it belongs to {_listed(others)}")
-    near_last = nearest(last, dict.fromkeys(name.rpartition(".")[2] for name in known))
+    near_last = nearest(last, dict.fromkeys(name.rpartition(".")[2] for name in known), _SAME_PART)
     full = next((name for name in known if near_last and name.rpartition(".")[2] == near_last), "")
     return UnknownParameter.at(at, message, did_you_mean(full))
+
+
+def _nearest_parameters(name: str, known: list[str]) -> list[str]:
+    """Return the parameters that were likely meant: beside this one, or with a misspelt plugin in front."""
+    if stated_facts().new_last_part(name):
+        return []  # the old name of another parameter is no misspelling
+    prefix, _, last = name.rpartition(".")
+    beside = {other.rpartition(".")[2]: other for other in known if other.rpartition(".")[0] == prefix}
+    return [beside[part] for part in all_nearest(last, beside, _SAME_PART)] or all_nearest(name, known, _SAME_NAME)
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -163,7 +163,8 @@ def _by_name(catalogue: Catalogue) -> dict[str, NodeClass]:
     for package in catalogue.packages.values():
         for executable, class_name in package.executables.items():
             if class_name in catalogue.classes:
-                found[executable] = catalogue.classes[class_name]
+                usual = stated_facts().usual_names.get(f"{package.name}/{executable}", executable)
+                found[usual] = found[executable] = catalogue.classes[class_name]
     for facts in list(catalogue.classes.values()):
         if facts.default_name:
             found[facts.default_name] = facts

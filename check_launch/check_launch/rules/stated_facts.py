@@ -20,6 +20,8 @@ class StatedFacts:
     renamed: Mapping[str, Mapping[str, str]]
     """New names by the old ones, by the distribution that changed them."""
     renamed_plugins: Mapping[str, str]
+    usual_names: Mapping[str, str]
+    """Names that programs give to their nodes, by package and executable."""
     lengths: Mapping[str, Mapping[str, list[int]]]
     polygons: Mapping[str, list[str]]
     needed: Mapping[str, list[str]]
@@ -39,6 +41,11 @@ class StatedFacts:
                 if (name == old or name.endswith(f".{old}")) and is_known(name.removesuffix(old) + new):
                     return name.removesuffix(old) + new
         return ""
+
+    def new_last_part(self, name: str) -> str:
+        """Return what the last part of a parameter is called now, wherever it stands; empty if it was not renamed."""
+        last = name.rpartition(".")[2]
+        return next((names[last] for names in self.renamed.values() if last in names), "")
 
     def length_of(self, class_name: str, parameter: str) -> list[int]:
         """Return the lengths that a list may have; empty if that is not known."""

@@ -18,6 +18,7 @@ from check_launch.rules.launch_rules import (
     UnknownPlugin,
 )
 from check_launch.rules.rviz_files import read_rviz_file
+from check_launch.rules.stated_facts import stated_facts
 from roverlink.generator.diagnostics import Diagnostic, Span
 
 _WITHOUT_NODES = frozenset({"rclcpp_components"})
@@ -108,9 +109,10 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
     system = System(has_unknown=bool(expansion.skipped) or expansion.runs_programs)
     for started in expansion.nodes:
         facts = _facts(started, catalogue, system)
-        name = _name(started, facts)
+        usual = _usual_name(started, facts)
+        name = started.name or usual or (started.executable or started.plugin or "node").rpartition("::")[2]
         namespace = started.namespace if started.namespace is not None else ""
-        is_known = started.namespace is not None and bool(started.name or (started.name == "" and facts))
+        is_known = started.namespace is not None and bool(started.name or (started.name == "" and usual))
         node = RunningNode(started, facts, name, _absolute(namespace), has_known_name=is_known)
         system.nodes.append(node)
         for inner in facts.nodes if facts else ():
@@ -182,12 +184,10 @@ def _absolute(namespace: str) -> str:
     return f"/{namespace.strip('/')}" if namespace.strip("/") else ""
 
 
-def _name(started: StartedNode, facts: NodeClass | None) -> str:
-    if started.name:
-        return started.name
-    if facts is not None and facts.default_name:
-        return facts.default_name
-    return (started.executable or started.plugin or "node").rpartition("::")[2]
+def _usual_name(started: StartedNode, facts: NodeClass | None) -> str:
+    """Return the name of a node to which a launch file gives none; empty if it is not known."""
+    stated = stated_facts().usual_names.get(f"{started.package}/{started.executable}", "")
+    return stated or (facts.default_name if facts is not None else "")
 
 
 def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeClass | None:
