@@ -98,7 +98,10 @@ def run(arguments: argparse.Namespace) -> int:
     checked = Checker(catalogue, packages, arguments.complete).check(files, values)
     if arguments.graph:
         _draw(checked, arguments.graph)
-    FORMATS[arguments.format](Reported("roverlink check-launch", checked.findings, Sources(Path(".")), launch_rules()))
+    found = Reported(
+        "roverlink check-launch", checked.findings, Sources(Path(".")), launch_rules(), extent=checked.extent
+    )
+    FORMATS[arguments.format](found)
     severities = {finding.severity for finding in checked.findings}
     if Severity.FATAL in severities:
         return UNABLE

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from difflib import get_close_matches
+from collections.abc import Iterable, Sequence
+from difflib import SequenceMatcher, get_close_matches
+
+_TIE = 0.03
+"""Names whose similarities differ by less are equally likely."""
+_SHORT = 8
+"""Names with fewer letters may differ by one letter only to be a misspelling."""
 
 
 def nearest(name: str, known: Iterable[str], least: float = 0.6) -> str:
@@ -11,9 +16,23 @@ def nearest(name: str, known: Iterable[str], least: float = 0.6) -> str:
     return next(iter(get_close_matches(name, list(known), 1, least)), "")
 
 
-def did_you_mean(name: str, otherwise: str = "") -> str:
-    """Return the help that names what was likely meant; ``otherwise`` if that is empty."""
-    return f"did you mean '{name}'?" if name else otherwise
+def all_nearest(name: str, known: Iterable[str], least: float = 0.6) -> list[str]:
+    """Return the known names that are the most similar: several if nothing tells which one is meant."""
+    found = get_close_matches(name, list(dict.fromkeys(known)), 5, least)
+    ratios = [SequenceMatcher(None, other, name).ratio() for other in found]
+    return sorted(other for other, ratio in zip(found, ratios, strict=True) if ratio > ratios[0] - _TIE)
+
+
+def did_you_mean(names: str | Sequence[str], otherwise: str = "") -> str:
+    """Return the help that names what was likely meant; ``otherwise`` if nothing is known."""
+    several = [names] if isinstance(names, str) else names
+    spelled = " or ".join(f"'{name}'" for name in several if name)
+    return f"did you mean {spelled}?" if spelled else otherwise
+
+
+def is_misspelling(name: str, other: str) -> bool:
+    """Return true if a name is another one with a letter or two wrong."""
+    return name != other and is_near(name, other, 1 if min(len(name), len(other)) < _SHORT else 2)
 
 
 def is_near(a: str, b: str, most: int) -> bool:

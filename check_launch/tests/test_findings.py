@@ -355,6 +355,228 @@ def test_programs_of_this_project_are_those_that_declare_a_node(
     assert check("a_launch.yaml") == (1, ["a_launch.yaml:2:5: LCH108 executables of rtt_slam: listen_closely"])
 
 
+def _node(package: str, executable: str, **options: str) -> str:
+    """Return a node of a YAML launch file with the parameter file p.yaml and more attributes."""
+    more = "".join(
+        f", {name}: {value}" for name, value in ({"param": "[{from: $(dirname)/p.yaml}]"} | options).items() if value
+    )
+    return f"  - node: {{pkg: {package}, exec: {executable}{more}}}\n"
+
+
+_INCLUDE = """
+from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription
+from launch.substitutions import PathJoinSubstitution
+from launch_ros.substitutions import FindPackageShare
+def generate_launch_description():
+    return LaunchDescription([IncludeLaunchDescription(PathJoinSubstitution([FindPackageShare('%s'), 'launch', '%s']),
+                                                       launch_arguments={%s}.items())])
+"""
+_COSTMAP_OF = "local_costmap:\n  local_costmap:\n    ros__parameters: "
+_COSTMAP_SOURCE = (
+    _COSTMAP_OF + "{plugins: [o], o: {plugin: 'nav2_costmap_2d::ObstacleLayer', observation_sources: s, "
+    "s: {topic: /s, obstacle_range: 1.0}}}\n"
+)
+_LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
+    # A launch file or none, a parameter file, and level, rule and help of all findings.
+    "a node with another name": (
+        _node("robot_localization", "ekf_node", name="ekf_wheel"),
+        _parameters("ekf_filter_node", "frequency: 30.0"),
+        ["warning PAR105 did you mean 'ekf_wheel'?"],
+    ),
+    "a node of an own package with another name": (
+        _node("my_rover", "driver", name="driver"),
+        _parameters("drivr_node", "speed: 1.0"),
+        ["hint LCH106", "warning PAR105 did you mean 'driver'?"],
+    ),
+    "parameters without ros__parameters": (
+        _node("robot_localization", "ekf_node", name="ekf"),
+        "ekf:\n  frequency: 30.0\n",
+        ["fatal LCH101"],
+    ),
+    "parameters beside ros__parameters": (
+        _node("robot_localization", "ekf_node", name="ekf"),
+        "ekf:\n  ros__parameters:\n  frequency: 30.0\n",
+        ["fatal LCH101"],
+    ),
+    "a parameter without a value": (
+        _node("robot_localization", "ekf_node", name="ekf"),
+        _parameters("ekf", "frequency:"),
+        ["fatal LCH101"],
+    ),
+    "too few values": (
+        "",
+        _parameters("ekf_filter_node", "odom0: /odom", "odom0_config: [true, false]"),
+        ["error PAR108"],
+    ),
+    "too few values, which the node ignores": (
+        "",
+        _parameters("ekf_filter_node", "initial_state: [0.0]", "frequency: 30.0"),
+        ["warning PAR108"],
+    ),
+    "a plugin without a type": (
+        "",
+        _COSTMAP_OF + "{plugins: [static_layer]}\n",
+        ["error PLG101 set 'static_layer.plugin'"],
+    ),
+    "a polygon without a type": (
+        "",
+        _parameters("collision_monitor", "polygons: [Stop]", "Stop: {action_type: stop}"),
+        ["error PAR110 set 'Stop.type'"],
+    ),
+    "a footprint that is no polygon": (
+        "",
+        _COSTMAP_OF + "{footprint: '[0.3, 0.2, -0.3, -0.2]'}\n",
+        ["warning PAR109 write a text such as"],
+    ),
+    "a footprint that is a polygon": ("", _COSTMAP_OF + "{footprint: '[[.3, 0], [-0.3, .2], [0, -1]]'}\n", []),
+    "a renamed parameter with two similar ones": (
+        "",
+        _COSTMAP_SOURCE,
+        ["warning PAR101 it is now 'o.s.obstacle_max_range'"],
+    ),
+    "two names that are equally near": (
+        "",
+        _COSTMAP_SOURCE.replace("obstacle_range", "obstacle_m_range"),
+        ["warning PAR101 did you mean 'o.s.obstacle_max_range' or 'o.s.obstacle_min_range'?"],
+    ),
+    "a short name of a plugin": (
+        "",
+        _parameters(
+            "controller_server",
+            "controller_plugins: [F]",
+            "F: {plugin: 'dwb_core::DWBLocalPlanner', " "critics: [BaseObstacles]}",
+        ),
+        ["error PLG101 did you mean 'BaseObstacle'?"],
+    ),
+    "the type of a plugin with another spelling": (
+        "",
+        _parameters("planner_server", "planner_plugins: [G]", "G: {plugin: 'nav2_navfn_planner::NavfnPlanner'}"),
+        ["error PLG101 did you mean 'nav2_navfn_planner/NavfnPlanner'?"],
+    ),
+    "a range that the node corrects": ("", _parameters("imu_filter_madgwick", "world_frame: ENU"), ["warning PAR104"]),
+    "seven words for a transform": (
+        "  - node: {pkg: tf2_ros, exec: static_transform_publisher, args: 0 0 0 0 0 a b}\n",
+        "",
+        ["error LCH109"],
+    ),
+    "a transform with a period": (
+        "  - node: {pkg: tf2_ros, exec: static_transform_publisher, args: 0 0 0 0 0 0 a b 100}\n",
+        "",
+        ["error LCH109"],
+    ),
+    "a node that has no lifecycle": (
+        _node("robot_localization", "ekf_node", name="ekf", param="")
+        + _node("nav2_lifecycle_manager", "lifecycle_manager", param="[{name: node_names, value: [ekf]}]"),
+        "",
+        ["error LCH110 remove it from node_names"],
+    ),
+    "renamed arguments of a launch file": (
+        _INCLUDE % ("realsense2_camera", "rs_launch.py", "'align_depth': 'true'"),
+        "",
+        ["hint LCH102", "warning LCH104 it is now 'align_depth.enable'"],
+    ),
+    "an argument that is no text": (
+        _INCLUDE % ("rtabmap_launch", "rtabmap.launch.py", "'rviz': True"),
+        "",
+        ["hint LCH102", "error LCH105 write 'True' with quotation marks"],
+    ),
+    "a misspelt package in a path": (_INCLUDE % ("rtabmap_lauch", "a.launch.py", ""), "", ["error LCH107"]),
+    "a keyword argument that no node has": (
+        _PYTHON_NODE.replace("name='filter'", "naem='filter'"),
+        "",
+        ["error LCH103 did you mean 'name'?"],
+    ),
+    "nothing in place of a description": ("def generate_launch_description():\n    pass\n", "", ["fatal LCH101"]),
+    # What is not known is not absent.
+    "a node of another package with a usual name": (
+        _node("v4l2_camera", "v4l2_camera_node", name="camera"),
+        _parameters("camera", "video_device: /dev/video0"),
+        ["hint LCH106"],
+    ),
+    "an own plugin": (
+        "",
+        _parameters("behavior_server", "behavior_plugins: [b]", "b: {plugin: my_behaviors/BackUp}", "max_radius: 2.0"),
+        ["hint PLG102", "hint PAR101"],
+    ),
+    "own nodes of behavior trees": (
+        "",
+        _parameters("bt_navigator", "plugin_lib_names: [my_bt_node]", "my_radius: 1.0", "global_frame: map"),
+        ["hint PAR101"],
+    ),
+    "a file with a part of the parameters": ("", _parameters("controller_server", "FollowPath: {vx_max: 1.0}"), []),
+    "parameters of a library": (
+        "",
+        _parameters("rtabmap", "diagnostic_updater.period: 0.5", "frame_id: base_link"),
+        [],
+    ),
+    "a file of the robot": (
+        _node("robot_localization", "ekf_node", param="[{from: /etc/rover/ekf.yaml}]"),
+        "",
+        ["hint LCH102"],
+    ),
+    "a parameter above an unknown launch file": (
+        "  - set_parameter: {name: a, value: 1}\n  - include: {file: $(find-pkg-share a_rover)/launch/a.launch.py}\n"
+        "  - node: {pkg: rviz2, exec: rviz2}\n",
+        "",
+        ["hint PAR101", "hint LCH102"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", _LEVELS)
+def test_level_and_advice_of_a_finding(
+    name: str, write: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A node refuses errors and ignores warnings; near something unknown, "has no" is a hint."""
+    launch, parameters, expected = _LEVELS[name]
+    ending = "py" if "def " in launch else "yaml"
+    write({f"a.launch.{ending}": launch if ending == "py" else f"launch:\n{launch}", "p.yaml": parameters})
+    main(["check-launch", "--format", "json", f"a.launch.{ending}" if launch else "p.yaml"])
+    found = json.loads(capsys.readouterr().out)
+    lines = [f"{one['severity']} {one['id']} {one['help'] or ''}" for one in found if one["id"] not in _LOOSE_ENDS]
+    assert len(lines) == len(expected), lines
+    for line, wanted in zip(lines, expected, strict=True):
+        assert line.startswith(wanted), lines
+
+
+_LOOSE_ENDS = ("TOP104", "FRM103")
+
+
+def test_velocities_with_and_without_a_stamp_do_not_fit(write: Write, check: Check) -> None:
+    """Since Jazzy, a parameter decides the type of the velocity, and both ends must decide the same."""
+    stamped = "[{name: enable_stamped_cmd_vel, value: true}]"
+    nodes = _node("nav2_controller", "controller_server", param=stamped)
+    write({"a_launch.yaml": f"launch:\n{nodes}" + _node("nav2_velocity_smoother", "velocity_smoother", param="")})
+    assert [line[:25] for line in check("a_launch.yaml", "--distribution", "jazzy")[1]] == ["a_launch.yaml:3:5: TOP106"]
+    write({"a_launch.yaml": f"launch:\n{nodes}" + _node("nav2_velocity_smoother", "velocity_smoother", param=stamped)})
+    assert check("a_launch.yaml", "--distribution", "jazzy") == (0, [])
+    write({"p.yaml": _parameters("bt_navigator", "plugin_lib_names: [nav2_spin_action_bt_node]")})
+    assert check("p.yaml") == (0, [])  # Humble loads what the list names; Jazzy adds it to its own
+    assert check("p.yaml", "--distribution", "jazzy")[1] == ["p.yaml:3:5: PLG103 list only libraries of your own"]
+
+
+def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    """Launch files that need more than is here, and files of unknown nodes, are counted."""
+    write(
+        {
+            "a.launch.py": "import a_package_of_the_robot\n",
+            "b_launch.yaml": "launch:\n" + _node("my_rover", "driver", name="d"),
+            "p.yaml": _parameters("d", "speed: 1.0"),
+        }
+    )
+    assert main(["check-launch", "."]) == 0
+    assert capsys.readouterr().out.endswith("1 of 2 launch files evaluated, 1 of 1 parameter files not checked.\n")
+
+
+def test_a_launch_file_beside_a_parameter_file_says_which_node_reads_it(write: Write, check: Check) -> None:
+    """The name of a node is that in the launch file; only launch files that are no programs are read for this."""
+    name = _parameters("ekf_of_the_mast", "frequncy: 30.0")
+    launch = "launch:\n" + _node("robot_localization", "ekf_node", name="ekf_of_the_mast")
+    write({"package.xml": "<package/>", "launch/a_launch.yaml": launch.replace("p.yaml", "../p.yaml"), "p.yaml": name})
+    assert check("p.yaml")[1] == ["p.yaml:3:5: PAR101 did you mean 'frequency'?"]
+
+
 def test_arguments_are_set_as_for_ros2_launch(write: Write, check: Check) -> None:
     """NAME:=VALUE behind the file replaces the default of an argument, and what it chooses is checked."""
     argument = "  - arg: {name: exec, default: rtabmap}\n"
@@ -393,7 +615,7 @@ def test_a_parameter_file_is_checked_alone(write: Write, check: Check) -> None:
     write({"nav2.yaml": _parameters("controller_server", "progress_checker_plugin: progress_checker")})
     assert check(".") == (0, [])
     (found,) = check(".", "--distribution", "jazzy")[1]
-    assert found == "nav2.yaml:3:5: PAR101 did you mean 'progress_checker_plugins'?"
+    assert found == "nav2.yaml:3:5: PAR101 it is now 'progress_checker_plugins'"
 
 
 _RTABMAP_NODE = "  - node: {pkg: rtabmap_slam, exec: rtabmap}\n"

@@ -27,6 +27,8 @@ class Reported:
     """Rules that the command checks, by their ids."""
     pinned: PinnedStates | None = None
     """Compatibility of the projects that use the .proto files; None if the command does not check that."""
+    extent: str = ""
+    """How much the command has looked at, for people; empty if it always looks at everything."""
     with_known: bool = False
     """True if formats for people show also the findings that are known (`Diagnostic.known`)."""
 

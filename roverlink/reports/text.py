@@ -47,6 +47,8 @@ def write(reported: Reported) -> None:
         for line in matrix.get().splitlines():
             print(line.rstrip())  # rich fills each line with spaces up to the width of the table
     print(_summary(reported))
+    if reported.extent:
+        print(f"{reported.extent}.")
 
 
 def _shown(findings: Iterable[Diagnostic]) -> tuple[list[Diagnostic], Counter[type[Rule]]]:

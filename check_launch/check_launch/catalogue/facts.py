@@ -1,7 +1,8 @@
 """Facts about ROS 2 packages: their executables, and what each node has: parameters, topics, plugins and frames.
 
 Names of parameters are patterns: ``{#}`` stands for a number, ``{*}`` for any name, and ``{x}`` for each name in the
-value of the parameter x of the same node or plugin. Other texts may contain ``$(x)``, the value of the parameter x.
+value of the parameter x of the same node or plugin. Other texts may contain ``$(x)``, the value of the parameter x. In
+the name of a topic, ``{node}`` is the name of the node, and ``{process}`` the namespace of the node around it.
 """
 
 from __future__ import annotations

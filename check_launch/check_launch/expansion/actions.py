@@ -142,6 +142,8 @@ class StartNode(Action):
     remappings: list[Remapping] = field(default_factory=list)
     arguments: list[Text] = field(default_factory=list)
     ros_arguments: list[Text] = field(default_factory=list)
+    unknown_options: list[str] = field(default_factory=list)
+    """Names of keyword arguments that no action has (Python launch files only)."""
 
 
 @dataclass(slots=True)

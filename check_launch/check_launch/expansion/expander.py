@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from check_launch.expansion.actions import (
@@ -41,6 +42,7 @@ from check_launch.expansion.parameter_files import (
     typed,
 )
 from check_launch.expansion.python_files import NeedsMoreError, PythonFile
+from check_launch.expansion.stand_ins import OPTIONS_OF_NODES
 from check_launch.expansion.stored_files import actions_of_stored
 from check_launch.expansion.substitutions import (
     EqualsSubstitution,
@@ -52,8 +54,17 @@ from check_launch.expansion.substitutions import (
     text_of,
 )
 from check_launch.expansion.written_text import WrongTextError, parse_text
-from check_launch.misspellings import did_you_mean, nearest
-from check_launch.rules.launch_rules import NotExpanded, UndeclaredArgument, UnreadableLaunchFile, WrongArgumentValue
+from check_launch.misspellings import all_nearest, did_you_mean, nearest
+from check_launch.rules.launch_rules import (
+    MissingFile,
+    NotExpanded,
+    UndeclaredArgument,
+    UnknownAction,
+    UnreadableLaunchFile,
+    WrongArgumentValue,
+    as_warning,
+)
+from check_launch.rules.stated_facts import stated_facts
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 
 _DEEPEST = 30  # includes within includes
@@ -98,6 +109,8 @@ class StartedNode:
     files: tuple[FileUse, ...] = ()
     remappings: tuple[StartedRemapping, ...] = ()
     arguments: tuple[str | None, ...] = ()
+    has_unknown_files: bool = False
+    """True if the node gets a parameter file that is not here."""
     shown: Callable[[str], str] = str
     """Function that returns the name of a file in messages."""
 
@@ -131,6 +144,8 @@ class Expansion:
     """Arguments that are used, and that no launch file declares, with the places of their use."""
     skipped: dict[str, Span] = field(default_factory=dict)
     """Packages of which launch files are included, but not there."""
+    unevaluated: set[str] = field(default_factory=set)
+    """Paths of launch files whose actions are not known, or not all of them."""
 
 
 class Expander:
@@ -142,12 +157,14 @@ class Expander:
         shown: Callable[[str], str],
         stored: Mapping[tuple[str, str], Any],
         known: Collection[str],
+        environment: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """``shown`` returns the name of a file in messages.
 
         ``stored`` are descriptions of launch files, by their packages and paths. ``known`` are packages of which it is
-        no news that they are not there.
+        no news that they are not there. ``environment`` are variables of the environment that every robot has.
         """
+        self.environment = environment
         self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
         self._declarative: dict[str, tuple[list[Action], list[Diagnostic]]] = {}
         self._python: dict[str, PythonFile] = {}
@@ -172,7 +189,7 @@ class Expander:
     def python(self, path: str) -> PythonFile:
         """Return a Python launch file. Raises `UnreadableFileError`."""
         if path not in self._python:
-            self._python[path] = PythonFile(Path(path), self._shown(path), self._packages)
+            self._python[path] = PythonFile(Path(path), self._shown(path), self._packages, self.environment)
         return self._python[path]
 
     def sections(self, path: str, text_of: Callable[[str], str | None] | None) -> list[Section]:
@@ -183,6 +200,10 @@ class Expander:
         if path not in self._parameter_files:
             self._parameter_files[path] = ParameterFile(Path(path), self._shown(path))
         return self._parameter_files[path].sections(text_of)
+
+    def without_value(self, path: str) -> tuple[str, Span] | None:
+        """Return name and place of a parameter without a value in a parameter file whose sections were read."""
+        return self._parameter_files[path].without_value
 
     def stored(self, package: str, path: str) -> Any:
         """Return the description of a launch file that is not there; None if there is none."""
@@ -198,9 +219,10 @@ class _Run:
 
     def __init__(self, expander: Expander, packages: Packages, arguments: Mapping[str, str | None]) -> None:
         self._expander = expander
-        self.context = Context(packages, dict(arguments))
+        self.context = Context(packages, dict(arguments), dict(expander.environment))
         self.result = Expansion(dict(arguments))
         self._depth = 0
+        self._skips = 0  # includes of files that are not here
         self._path = ""  # path of the launch file whose actions are expanded
 
     def include(self, path: str, place: Span) -> None:
@@ -222,13 +244,18 @@ class _Run:
             package, inner = missing
             stored = self._expander.stored(package, inner)
             if stored is None:
+                self._skips += 1
                 self.result.skipped.setdefault(package, place)
                 return [], []
             return actions_of_stored(stored, place), []
         try:
             return self._expander.actions(path)
         except NeedsMoreError as error:
+            self.result.unevaluated.add(path)
             return [], [NotExpanded.at(error.place, str(error))]
+        except UnknownTextError as error:
+            self.result.unevaluated.add(path)
+            return [], [NotExpanded.at(place, f"the file needs '{error}', which is known at run time only")]
 
     def _run(self, actions: Iterable[Action]) -> None:
         for action in actions:
@@ -361,14 +388,20 @@ class _Run:
         path = self._path_of_file(action.path)
         if path is not None:
             self.context.file = path = self._absolute(path)
-        for name, value, _ in action.arguments:
+        for name, value, place in action.arguments:
             if text := self._text(name):
+                if isinstance(value, bool | int | float):
+                    message = f"the argument '{text}' is {value}, which is no text: `launch` stops with an error"
+                    self._report(WrongArgumentValue, place, message, f"write '{value}' with quotation marks")
                 self.context.configurations[text] = self._text(value)
         if path is None:
             self._report(NotExpanded, action.place, "the path of an included launch file is known at run time only")
             return
         before = set(self.result.declared)
-        findings = len(self.result.findings)
+        findings, skips = len(self.result.findings), self._skips
+        if self._is_elsewhere(path):
+            self._report(NotExpanded, action.place, f"'{path}' is a file of another computer; it is not checked")
+            return
         try:
             self.include(path, action.place)
         except UnreadableFileError as error:
@@ -379,7 +412,10 @@ class _Run:
                 f"{self._expander.shown(path)}: {error}" if place == action.place else str(error),
             )
             return
-        is_complete = len(self.result.findings) == findings and not package_of_share(path)
+        missing = package_of_share(path)
+        is_complete = (
+            len(self.result.findings) == findings and path not in self.result.unevaluated and self._skips == skips
+        )
         for name, _, place in action.arguments:
             text = self._text(name)
             if (
@@ -389,47 +425,63 @@ class _Run:
                 and text not in before
                 and not self._is_used(path, text)
             ):
-                self._report(
-                    UndeclaredArgument,
-                    place,
-                    f"{self._expander.shown(path)} has no argument '{text}'",
-                    did_you_mean(nearest(text, self.result.declared)),
-                )
+                shown = self._expander.shown(path) if missing is None else f"{missing[1]} of {missing[0]}"
+                new = stated_facts().new_name(text, self.result.declared.__contains__)
+                help = f"it is now '{new}'" if new else did_you_mean(all_nearest(text, self.result.declared, 0.8))
+                finding = UndeclaredArgument.at(place, f"{shown} has no argument '{text}'", help)
+                self.result.findings.append(as_warning(finding))
 
     def _absolute(self, path: str) -> str:
         """Return the path of a file; one in the share folder of a package that is there becomes that of the package."""
         if found := package_of_share(path):
             share = self.context.packages.share(found[0])
             return path if package_of_share(share) else self.context.packages.existing(os.path.join(share, found[1]))
-        return self.context.packages.existing(os.path.join(os.path.dirname(self._path), path))
+        return self.context.packages.existing(path, os.path.dirname(self._path))
+
+    def _is_elsewhere(self, path: str) -> bool:
+        """Return true for a file that is not here, and that is not one of the checked packages."""
+        return not package_of_share(path) and not os.path.exists(path) and not self.context.packages.holds(path)
 
     def _is_used(self, path: str, name: str) -> bool:
         """Return true if a launch file names an argument anywhere, such as in a function that adds more arguments."""
+        if package_of_share(path):
+            return False
         try:
             return name in Path(path).read_text(encoding="utf-8")
         except OSError:
             return True
 
     def _call(self, action: Opaque) -> None:
+        if missing := package_of_share(self._path):
+            self.result.skipped.setdefault(missing[0], action.place)
+            return
         try:
             if self._path.endswith(".py"):
                 self._run(self._expander.python(self._path).called(action.function, self.context))
         except NeedsMoreError as error:
+            self.result.unevaluated.add(self._path)
             self._report(NotExpanded, error.place, str(error))
         except UnknownTextError as error:
+            self.result.unevaluated.add(self._path)
             self._report(NotExpanded, action.place, f"a function needs '{error}', which is known at run time only")
 
     def _start(self, action: StartNode) -> None:
         context = self.context
         self.context.place = action.place
         namespace = self._text(action.namespace) if action.namespace is not None else ""
+        for option in action.unknown_options:
+            help = did_you_mean(nearest(option, OPTIONS_OF_NODES))
+            self._report(UnknownAction, action.place, f"a node has no option '{option}'", help)
         values: list[GivenValue] = []
         files: list[FileUse] = []
+        has_unknown_files = False
         for given in action.parameters:
             if isinstance(given, GivenParameter):
                 values += self._values(given.name, given.value, given.place, given.is_text)
             elif use := self._file(given):
                 files.append(use)
+            else:
+                has_unknown_files = True
         arguments = [self._text(argument) for argument in action.arguments]
         remappings = [
             StartedRemapping(
@@ -456,6 +508,7 @@ class _Run:
                 tuple(files),
                 (*context.remappings, *remappings),
                 tuple(arguments),
+                has_unknown_files,
                 self._expander.shown,
             )
         )
@@ -500,12 +553,25 @@ class _Run:
                 self.result.skipped.setdefault(missing[0], given.place)
             return None
         shown = self._expander.shown(path)
+        if self._is_elsewhere(path):
+            self._report(NotExpanded, given.place, f"'{path}' is a file of the robot; its parameters are not checked")
+            return None
+        if not os.path.exists(path):
+            if not os.path.isabs(text) and text.endswith((".yaml", ".yml")):
+                message = f"'{text}' is relative to the folder in which `ros2 launch` runs; it is not checked"
+                self._report(NotExpanded, given.place, message)
+                return None
+            self._report(MissingFile, given.place, f"the parameter file {shown} is not there")
+            return None
         try:
             sections = self._expander.sections(path, self._file_text if given.has_substitutions else None)
         except UnreadableFileError as error:
             place = error.place if error.place.line else given.place
             self._report(UnreadableLaunchFile, place, str(error) if error.place.line else f"{shown}: {error}")
             return None
+        empty = self._expander.without_value(path)
+        if empty and not given.rewrites and not given.root_key:  # rewriting a file writes `null`
+            self._report(UnreadableLaunchFile, empty[1], f"the parameter '{empty[0]}' has no value")
         rewrites: dict[str, Any] = {}
         for name, value in given.rewrites.items():
             if (parameter := self._text(name)) is not None:

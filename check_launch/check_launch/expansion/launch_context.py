@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import re
+from collections import UserDict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from check_launch.expansion.substitutions import text_of
+from check_launch.expansion.substitutions import UnknownTextError, text_of
 from roverlink.generator.diagnostics import Span
 
 _NAME = re.compile(r"<name>\s*([\w-]+)\s*</name>")
@@ -39,16 +40,24 @@ class Packages:
                 return str(folder)
         return f"{UNKNOWN_SHARE}{package}"
 
-    def existing(self, path: str) -> str:
-        """Return the path of a file. In a source tree, a file may be in another folder than in the share folder."""
-        path = os.path.normpath(path)
-        if os.path.exists(path):
-            return path
-        for folder in (self._found or {}).values():
-            if Path(path).is_relative_to(folder):
-                found = list(folder.rglob(os.path.basename(path)))
+    def existing(self, path: str, folder: str = "") -> str:
+        """Return the path of a file; a relative one is searched in a folder, and where users run `ros2 launch`.
+
+        In a source tree, a file may be in another folder than in the share folder.
+        """
+        candidates = [os.path.normpath(os.path.join(start, path)) for start in (folder, "", *map(str, self._tops))]
+        if found_there := next(filter(os.path.exists, candidates), None):
+            return found_there
+        path = candidates[0]
+        for share in (self._found or {}).values():
+            if Path(path).is_relative_to(share):
+                found = list(share.rglob(os.path.basename(path)))
                 return str(found[0]) if len(found) == 1 else path
         return path
+
+    def holds(self, path: str) -> bool:
+        """Return true for a path below the folders in which packages are searched."""
+        return any(Path(path).is_relative_to(top) for top in self._tops)
 
     def _search(self) -> Iterator[tuple[str, Path]]:
         for top in reversed(self._tops):
@@ -70,6 +79,20 @@ def package_of_share(path: str) -> tuple[str, str] | None:
         return None
     package, _, rest = path.removeprefix(UNKNOWN_SHARE).partition("/")
     return package, os.path.normpath(rest) if rest else ""
+
+
+class _Configurations(UserDict[str, Any]):
+    """Values of arguments for functions of Python launch files, which cannot go on without the value."""
+
+    def __init__(self, values: dict[str, str | None]) -> None:
+        super().__init__()
+        self.data = values
+
+    def __getitem__(self, name: str) -> str:
+        value: str | None = self.data[name]
+        if value is None:
+            raise UnknownTextError(name)
+        return value
 
 
 @dataclass(slots=True)
@@ -95,9 +118,9 @@ class Context:
         self.undeclared.append((name, self.place))
 
     @property
-    def launch_configurations(self) -> dict[str, str | None]:
+    def launch_configurations(self) -> _Configurations:
         """The name that functions of Python launch files use."""
-        return self.configurations
+        return _Configurations(self.configurations)
 
     def perform_substitution(self, substitution: Any) -> str:
         """Return the text of a substitution, for functions of Python launch files."""

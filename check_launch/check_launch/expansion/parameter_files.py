@@ -57,6 +57,10 @@ class Section:
         return self.pattern.rpartition("/")[2]
 
 
+class NoParametersError(UnreadableFileError):
+    """Raised for a YAML file that ROS 2 does not take as a parameter file."""
+
+
 class ParameterFile:
     """A parameter file. It keeps its sections, because a launch file is expanded with many values of its arguments."""
 
@@ -68,6 +72,8 @@ class ParameterFile:
             reason = getattr(error, "strerror", None) or error
             raise UnreadableFileError(Span(shown), f"cannot read the file: {reason}") from error
         self._root, self._shown = compose(text, shown), shown
+        self.without_value = next(_without_value(self._root, shown, False), None)
+        """First parameter without a value, which ROS 2 refuses."""
         self._with_substitutions = list(dict.fromkeys(_with_substitutions(self._root)))
         self._sections: dict[tuple[str | None, ...], list[Section]] = {}
 
@@ -80,7 +86,7 @@ class ParameterFile:
         if self._root is None:
             return []
         if not isinstance(self._root, yaml.MappingNode):
-            raise UnreadableFileError(place_of(self._root, self._shown), "a parameter file is a mapping of nodes")
+            raise NoParametersError(place_of(self._root, self._shown), "a parameter file is a mapping of nodes")
         texts = {text: text_of(text) for text in self._with_substitutions} if text_of else {}
         key = tuple(texts.values())
         if key not in self._sections:
@@ -102,6 +108,14 @@ def _with_substitutions(node: yaml.Node | None) -> Iterator[str]:
         yield node.value
 
 
+def _without_value(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterator[tuple[str, Span]]:
+    """Yield the names and places of parameters without a value (``No value at line`` of rcl_yaml_param_parser)."""
+    for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
+        if in_parameters and isinstance(value, yaml.ScalarNode) and value.value == "" and not value.style:
+            yield str(key.value), place_of(key, shown)
+        yield from _without_value(value, shown, in_parameters or key.value == KEY)
+
+
 def is_parameter_file(path: Path) -> bool:
     """Return true if a YAML file has parameters of nodes."""
     try:
@@ -118,13 +132,17 @@ def _sections(
             raise UnreadableFileError(place_of(key, shown), "the name of a node must be a text")
         name = text_of(key.value) or ""
         if name == KEY:
-            values = tuple(_values(value, "", shown, text_of)) if isinstance(value, yaml.MappingNode) else ()
+            if not isinstance(value, yaml.MappingNode):
+                raise NoParametersError(place_of(key, shown), f"'{KEY}' has no parameters; indent them below it")
+            values = tuple(_values(value, "", shown, text_of))
             yield Section(pattern or "/", place_of(node, shown), values)
         elif isinstance(value, yaml.MappingNode):
             inner = f"{pattern}/{name.strip('/')}"
             for section in _sections(value, inner, shown, text_of):
                 place = place_of(key, shown) if section.place == place_of(value, shown) else section.place
                 yield Section(section.pattern, place, section.values)
+        else:  # `Cannot have a value before ros__parameters` (rcl_yaml_param_parser)
+            raise NoParametersError(place_of(key, shown), f"'{name}' stands outside of '{KEY}': put this key above it")
 
 
 def _values(

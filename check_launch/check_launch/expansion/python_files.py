@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import ast
 import io
+import os
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
+from unittest import mock
 
 from check_launch.expansion import real_launch
 from check_launch.expansion.actions import Action
@@ -31,9 +34,11 @@ class NeedsMoreError(Exception):
 class PythonFile:
     """A Python launch file, whose functions can be called."""
 
-    def __init__(self, path: Path, shown: str, packages: Packages) -> None:
+    def __init__(
+        self, path: Path, shown: str, packages: Packages, environment: Mapping[str, str] = MappingProxyType({})
+    ) -> None:
         """Read the file. Raises `UnreadableFileError`."""
-        self._path, self._shown = path, shown
+        self._path, self._shown, self._environment = path, shown, environment
         self._stand_ins = StandIns(path, shown, packages)
         try:
             self._tree = ast.parse(path.read_text(encoding="utf-8"), str(path))
@@ -53,7 +58,13 @@ class PythonFile:
             function = names.get("generate_launch_description")
             if function is None:
                 raise UnreadableFileError(Span(self._shown), "the file has no function generate_launch_description")
-            return actions_of(function())
+            description = function()
+            if description is None:
+                raise UnreadableFileError(self._place_of(function), "generate_launch_description returns nothing")
+            return actions_of(description)
+
+    def _place_of(self, function: Any) -> Span:
+        return Span(self._shown, function.__code__.co_firstlineno)
 
     def called(self, function: Any, context: Context) -> list[Action]:
         """Call a function of an OpaqueFunction, and return its actions.
@@ -72,7 +83,7 @@ class PythonFile:
         path = list(sys.path)
         sys.modules.update({**(hidden if real_launch.is_installed() else {}), **modules})
         try:
-            with redirect_stdout(io.StringIO()):
+            with redirect_stdout(io.StringIO()), mock.patch.dict(os.environ, self._environment):
                 yield
         except (UnreadableFileError, UnknownTextError):
             raise
@@ -82,9 +93,11 @@ class PythonFile:
             ) from error
         except (Exception, SystemExit) as error:
             message = f"{type(error).__name__}: {error}"
-            is_missing = isinstance(error, FileNotFoundError) and "/" not in str(error.filename)  # a program
+            # A program, or a file that only the robot has, or that the build makes.
+            is_missing = isinstance(error, FileNotFoundError)
             if (
                 UNKNOWN_SHARE in message
+                or _is_refusal(error)
                 or is_missing
                 or (isinstance(error, KeyError) and "environ" in _source_of(error))
             ):
@@ -109,6 +122,12 @@ def _is_beside(module: Any, folder: Path) -> bool:
     """Return true for a module of the launch file's folder; another file may have one with the same name."""
     file: str | None = getattr(module, "__file__", None)
     return file is not None and Path(file).is_relative_to(folder)
+
+
+def _is_refusal(error: BaseException) -> bool:
+    """Return true if a launch file itself refuses values of its arguments, or what it finds on this computer."""
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    return (last.line or "").startswith(("raise ", "sys.exit", "exit("))
 
 
 def _source_of(error: BaseException) -> str:

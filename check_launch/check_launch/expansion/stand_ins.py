@@ -43,6 +43,25 @@ from check_launch.expansion.launch_context import Context, Packages
 from check_launch.expansion.substitutions import Substitution, UnknownTextError, is_true, text_of
 from roverlink.generator.diagnostics import Span
 
+OPTIONS_OF_NODES = frozenset(
+    {"package", "executable", "name", "namespace", "parameters", "remappings", "arguments", "ros_arguments"}
+    | {"exec_name", "plugin", "extra_arguments", "composable_node_descriptions", "target_container"}
+    | {"cmd", "prefix", "cwd", "env", "additional_env", "process_description", "condition"}
+    | {
+        "shell",
+        "sigterm_timeout",
+        "sigkill_timeout",
+        "emulate_tty",
+        "output",
+        "output_format",
+        "cached_output",
+        "log_cmd",
+    }
+    | {"on_exit", "respawn", "respawn_delay", "respawn_max_retries", "autostart", "node_executable", "node_name"}
+    | {"node_namespace", "package_name", "description"}
+)
+"""Keyword arguments of Node, ComposableNode and of the actions below them (launch, launch_ros)."""
+
 
 class Ignored:
     """An object of a launch file that starts nothing, or that these stand-ins do not know."""
@@ -157,6 +176,9 @@ class ReplaceString(Substitution):
     def perform(self, context: substitutions.Surroundings) -> str:
         return text_of(self.source_file, context)
 
+    def stored(self) -> Any:
+        return substitutions.stored_text(self.source_file)
+
 
 class HasNodeParams(Substitution):
     """``True`` if a parameter file has a section for a node (nav2_common)."""
@@ -171,6 +193,9 @@ class HasNodeParams(Substitution):
         except (OSError, yaml.YAMLError) as error:
             raise UnknownTextError(str(path)) from error
         return str(isinstance(data, dict) and self.node_name in data)
+
+    def stored(self) -> Any:
+        return {"unknown": ""}
 
 
 class ParseMultiRobotPose:
@@ -254,7 +279,11 @@ class StandIns:
             for name, member in vars(substitutions).items()
             if isinstance(member, type) and issubclass(member, Substitution)
         }
-        share = self._packages.share
+        share, packages = self._packages.share, self._packages
+
+        class LaunchContext(Context):
+            def __init__(self, **_: Any) -> None:
+                super().__init__(packages)
 
         class FindPackageShare(substitutions.FindPackageShare):
             def find(self, package: str) -> str:
@@ -267,7 +296,7 @@ class StandIns:
             else {
                 "LaunchDescription": LaunchDescription,
                 "Substitution": Substitution,
-                "LaunchContext": Context,
+                "LaunchContext": LaunchContext,
                 "Action": Action,
             }
         )
@@ -425,6 +454,7 @@ class StandIns:
             ],
             list(arguments or ()),
             list(ros_arguments or ()),
+            [option for option in options if option not in OPTIONS_OF_NODES],
         )
 
     def _given(self, given: Any, place: Span) -> Iterable[GivenParameter | GivenFile]:

@@ -1,7 +1,8 @@
 """Descriptions of launch files in the catalogue: what a launch file of a package starts, without its source.
 
 A description is a list of actions as JSON values: the name of the action, its fields, and its texts as
-`substitutions.stored_text` makes them. Launch files whose actions come from functions (OpaqueFunction) have none.
+`substitutions.stored_text` makes them. Of actions that come from a function (OpaqueFunction), a description says only
+that there are some; the arguments of such a launch file are known.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from roverlink.generator.diagnostics import Span
 _ACTIONS: Mapping[str, type[Action]] = {
     member.__name__: member
     for member in vars(of_launch).values()
-    if isinstance(member, type) and issubclass(member, Action) and member is not of_launch.Opaque
+    if isinstance(member, type) and issubclass(member, Action)
 }
 _LEFT_OUT = ("place", "target_place", "description")
 
@@ -30,14 +31,14 @@ def stored_actions(actions: list[Action]) -> list[Any]:
 
 def _stored(value: Any) -> Any:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        if isinstance(value, of_launch.Opaque):
-            raise NotImplementedError("OpaqueFunction")
         pairs = (
             (field.name, getattr(value, field.name))
             for field in dataclasses.fields(value)
-            if field.name not in _LEFT_OUT
+            if field.name not in _LEFT_OUT and not callable(getattr(value, field.name))
         )
         kept = {name: _stored(part) for name, part in pairs if part not in (None, "", [], (), {})}
+        if isinstance(value, GivenParameter) and isinstance(value.value, list) and len(value.value) == 1:
+            kept["value"] = {"list": list(map(_stored, value.value))}  # as a text, it would be the same as its one part
         return {"is": type(value).__name__, **kept}
     if isinstance(value, Mapping):
         return {"map": [[stored_text(name), _stored(part)] for name, part in value.items()]}

@@ -178,6 +178,9 @@ class Assembler:
                     continue
                 known = kept.get(relative)
                 kept[relative] = _merged(known, parameter) if known else parameter
+            for name_of_none in self._supplement.absent.get(member, []):
+                parameters.pop(name_of_none, None)
+                of_node.pop(name_of_none, None)
             endpoints += self._endpoints_of(member, topics)
             topics_stated += self._supplement.topics.get(member, [])
         if not is_plugin:

@@ -19,7 +19,7 @@ _PATTERNS = ("*launch.py", "*launch.xml", "*launch.yaml")
 def launch_files_of(folder: Path) -> Iterator[tuple[str, Any]]:
     """Yield the path and the description of each launch file of the package in a folder.
 
-    Files whose actions depend on more than arguments, because functions create them, are left out.
+    Files that cannot be described are left out.
     """
     for path in sorted(found for pattern in _PATTERNS for found in (folder / "launch").glob(pattern)):
         try:

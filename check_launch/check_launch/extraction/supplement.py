@@ -22,6 +22,7 @@ class Supplement:
     parts: Mapping[str, list[str]]
     programs: Mapping[str, str]
     parameters: Mapping[str, Mapping[str, dict[str, Any]]]
+    absent: Mapping[str, list[str]]
     topics: Mapping[str, list[dict[str, str]]]
     transforms: Mapping[str, list[dict[str, str]]]
     frames: Mapping[str, list[str]]

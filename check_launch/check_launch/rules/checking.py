@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -12,23 +13,23 @@ from check_launch.catalogue.facts import OWN_SOURCE, Catalogue
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.expander import Expander, Expansion, variations
 from check_launch.expansion.launch_context import Packages
-from check_launch.expansion.parameter_files import ParameterFile, is_parameter_file
+from check_launch.expansion.parameter_files import NoParametersError, ParameterFile, is_parameter_file
+from check_launch.misspellings import did_you_mean, is_misspelling
 from check_launch.rules.frame_findings import frame_findings
 from check_launch.rules.launch_rules import (
+    MisspeltPackage,
     NotExpanded,
     TopicFromOutside,
     UndeclaredArgument,
     UnreadableLaunchFile,
 )
-from check_launch.rules.parameter_findings import (
-    parameter_findings,
-    standalone_findings,
-    used_parameters,
-    used_sections,
-)
+from check_launch.rules.node_findings import node_findings
+from check_launch.rules.parameter_findings import parameter_findings, used_parameters
+from check_launch.rules.section_findings import Sections
 from check_launch.rules.system import System, Variants, system_of
 from check_launch.rules.topic_findings import ends_of, topic_findings, used_remappings
-from roverlink.generator.diagnostics import Diagnostic, Severity, in_order
+from roverlink.console import counted
+from roverlink.generator.diagnostics import Diagnostic, Severity, Span, in_order
 
 LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
 _COMPLETE = re.compile(r"^[ \t]*(?:#|<!--)[ \t]*check-launch: complete\b", re.MULTILINE)
@@ -42,6 +43,24 @@ class Checked:
     findings: list[Diagnostic] = field(default_factory=list)
     systems: list[tuple[str, System]] = field(default_factory=list)
     """System that each launch file starts with the defaults of its arguments, by the name of the file."""
+    launch_files: int = 0
+    evaluated: int = 0
+    """Launch files whose actions are all known."""
+    parameter_files: int = 0
+    read: int = 0
+    """Parameter files with a section of a node that the catalogue knows."""
+
+    @property
+    def extent(self) -> str:
+        """How much the check has looked at, as text."""
+        parts = []
+        if self.launch_files:
+            parts.append(f"{self.evaluated} of {self.launch_files} launch files evaluated")
+        if unread := self.parameter_files - self.read:
+            parts.append(f"{unread} of {self.parameter_files} parameter files not checked")
+        elif self.parameter_files:
+            parts.append(f"{counted(self.parameter_files, 'parameter file')} checked")
+        return ", ".join(parts)
 
 
 class Checker:
@@ -63,34 +82,73 @@ class Checker:
             if class_name in catalogue.classes
             for endpoint in catalogue.classes[class_name].endpoints
         ]
-        self._expander = Expander(Packages(packages), shown_path, stored, catalogue.packages)
+        self._expander = Expander(
+            Packages(packages), shown_path, stored, catalogue.packages, {"ROS_DISTRO": catalogue.distribution}
+        )
 
     def check(self, files: Iterable[Path], arguments: Mapping[str, str]) -> Checked:
         """Check launch files with some values of their arguments, and parameter files."""
         checked, paths = Checked(), list(files)
-        used: set[str] = set()
-        for path in sorted(paths, key=lambda path: not path.name.endswith(LAUNCH_ENDINGS)):
+        sections = Sections(self._catalogue)
+        launch_files = [path for path in paths if path.name.endswith(LAUNCH_ENDINGS)]
+        parameter_files = {shown_path(str(path)): path for path in paths if path not in launch_files}
+        for path in launch_files:
             try:
-                if path.name.endswith(LAUNCH_ENDINGS):
-                    used |= self._check_launch_file(path, arguments, checked)
-                elif shown_path(str(path)) not in used:
-                    sections = ParameterFile(path, shown_path(str(path))).sections(_known_text)
-                    checked.findings += standalone_findings(sections, self._catalogue)
+                self._check_launch_file(path, arguments, checked, sections)
             except UnreadableFileError as error:
                 checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
+        alone = {shown: path for shown, path in parameter_files.items() if shown not in sections.files}
+        others = self._with_loaders(alone, sections)
+        checked.findings += [one for one in others if one.span.file in alone and one.rule.id[:3] in ("PAR", "PLG")]
+        checked.findings += sections.findings()
+        for shown, path in alone.items():
+            try:
+                if shown not in sections.files:
+                    found = ParameterFile(path, shown).sections(_known_text)
+                    checked.findings += sections.standalone(found, shown, is_unused=bool(launch_files))
+            except NoParametersError:
+                pass  # a file with another meaning: no launch file gives it to a node
+            except UnreadableFileError as error:
+                checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
+        checked.launch_files, checked.parameter_files = len(launch_files), len(parameter_files)
+        checked.read = len(sections.read_files & set(parameter_files))
         checked.findings = in_order(_once(checked.findings))
         return checked
 
-    def _check_launch_file(self, path: Path, arguments: Mapping[str, str], checked: Checked) -> set[str]:
-        """Check a launch file; return the parameter files that it uses."""
+    def _with_loaders(self, alone: Mapping[str, Path], sections: Sections) -> list[Diagnostic]:
+        """Expand the YAML and XML launch files beside parameter files that give these to nodes; return their findings.
+
+        Python launch files are left out: they are programs, and nobody has asked for them.
+        """
+        checked = Checked()
+        for path in sorted({loader for file in alone.values() for loader in _loaders(file)}):
+            with suppress(UnreadableFileError):
+                self._check_launch_file(path, {}, checked, sections, set(alone))
+        return checked.findings
+
+    def _check_launch_file(
+        self,
+        path: Path,
+        arguments: Mapping[str, str],
+        checked: Checked,
+        sections: Sections,
+        wanted: Collection[str] | None = None,
+    ) -> None:
+        """Check a launch file; with ``wanted``, only if it gives one of these parameter files to a node."""
         expansion = self._expander.expand(path, arguments)
         expansions = [expansion]
         expansions += [self._expander.expand(path, {**arguments, **values}) for values in variations(expansion)]
         systems = [system_of(expanded, self._catalogue) for expanded in expansions]
+        if wanted is not None and not any(
+            use.shown in wanted for system in systems for node in system.nodes for use in node.started.files
+        ):
+            return
         checked.systems.append((shown_path(str(path)), systems[0]))
+        checked.evaluated += not any(str(path.resolve()) in expanded.unevaluated for expanded in expansions)
+        for system in systems:
+            sections.add(system)
         variants = Variants(
             frozenset().union(*map(used_parameters, systems)),
-            frozenset().union(*map(used_sections, systems)),
             frozenset().union(*map(used_remappings, systems)),
             frozenset().union(*map(ends_of, systems)),
         )
@@ -106,7 +164,6 @@ class Checker:
                 checked.findings.append(
                     replace(finding, message=f"{finding.message} (with {chosen})") if chosen else finding
                 )
-        return {use.shown for system in systems for node in system.nodes for use in node.started.files}
 
     def _of_expansion(
         self, expansion: Expansion, system: System, variants: Variants, complete: bool
@@ -115,12 +172,28 @@ class Checker:
         for name, place in expansion.undeclared:
             yield UndeclaredArgument.at(place, f"the argument '{name}' is not declared", "declare it with `arg`")
         for package, place in expansion.skipped.items():
-            message = f"the launch files of '{package}' are not here; what they start is not checked"
-            yield NotExpanded.at(place, message)
+            yield self._of_skipped(package, place)
         yield from system.findings
-        yield from parameter_findings(system, self._catalogue, variants)
+        yield from parameter_findings(system, variants)
+        yield from node_findings(system)
         yield from topic_findings(system, variants, self._known, complete)
         yield from frame_findings(system, complete)
+
+    def _of_skipped(self, package: str, place: Span) -> Diagnostic:
+        near = sorted(name for name in self._catalogue.packages if is_misspelling(package, name))
+        if near and package not in self._catalogue.packages:
+            return MisspeltPackage.at(place, f"unknown package '{package}'", did_you_mean(near))
+        return NotExpanded.at(place, f"the launch files of '{package}' are not here; what they start is not checked")
+
+
+def _loaders(parameter_file: Path) -> Iterator[Path]:
+    """Yield the YAML and XML launch files of the package of a parameter file that name it."""
+    folder = parameter_file.resolve().parent
+    top = next((parent for parent in (folder, *folder.parents) if (parent / "package.xml").is_file()), folder)
+    for path in sorted(top.rglob("*")):
+        is_plain = path.name.endswith(LAUNCH_ENDINGS) and path.suffix != ".py"
+        if is_plain and path.is_file() and parameter_file.name in path.read_text(encoding="utf-8", errors="replace"):
+            yield path
 
 
 def _key(finding: Diagnostic) -> tuple[object, ...]:

@@ -6,19 +6,23 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
+from itertools import chain
 from typing import Any
 
 from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Parameter, PluginSlot
 from check_launch.expansion.parameter_files import UNKNOWN, GivenValue
 from check_launch.expansion.substitutions import UnknownTextError, evaluated
-from check_launch.misspellings import nearest
+from check_launch.misspellings import is_misspelling
+from check_launch.rules.stated_facts import stated_facts
 from roverlink.generator.diagnostics import Span
 
 _LIST = re.compile(r"\{([^{}#*]+)\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
 _NUMBER = r"(0|[1-9]\d*)"
 _ANY_NAME = r"[^.]+"
-_SIMILAR = 0.85
+_STAMPED = "enable_stamped_cmd_vel"
+_VELOCITIES = {"geometry_msgs/msg/Twist": False, "geometry_msgs/msg/TwistStamped": True}
+"""Types of velocities, and whether they have a stamp."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +49,8 @@ class ParameterView:
     facts: NodeClass
     given: Mapping[str, GivenValue]
     catalogue: Catalogue
+    is_partial: bool = False
+    """True if the node may get more parameters than those that are given here."""
     exact: dict[str, Parameter] = field(default_factory=dict)
     """Parameters with a definite name."""
     patterns: list[tuple[re.Pattern[str], Parameter]] = field(default_factory=list)
@@ -54,9 +60,18 @@ class ParameterView:
     plugins: list[LoadedPlugin] = field(default_factory=list)
     endpoints: list[tuple[str, Endpoint]] = field(default_factory=list)
     """Topics of the node and its plugins, each with the beginning of its parameters."""
+    _listed: set[str] = field(default_factory=set)
+    """Plugins in the lists that are given."""
+    _unlisted: set[str] = field(default_factory=set)
+    """Beginnings of the names of plugins whose list is not given."""
 
     def __post_init__(self) -> None:
         self._add(self.facts, "", set())
+        # Another file may list other plugins, and say of which types they are.
+        for prefix in self._unlisted:
+            names = {key.removeprefix(prefix) for key in self.given if key.startswith(prefix)}
+            groups = {prefix + name.partition(".")[0] for name in names if "." in name}
+            self.open += sorted(f"{group}." for group in groups - self._listed)
 
     def known(self, name: str) -> Parameter | None:
         """Return the parameter with a name; None if the node has none."""
@@ -78,6 +93,18 @@ class ParameterView:
     def is_open(self, name: str) -> bool:
         """Return true if a parameter of this name may be one of a plugin that is not known."""
         return any(name.startswith(prefix) for prefix in self.open)
+
+    @property
+    def has_unknown(self) -> bool:
+        """True if the node may have more parameters and topics, because it loads a plugin that is not known."""
+        return bool(self.open) or self.loads_own_tree_nodes
+
+    @property
+    def loads_own_tree_nodes(self) -> bool:
+        """True if the node loads nodes of behavior trees that are not those of Nav2."""
+        given = self.given.get("plugin_lib_names")
+        names = given.value if given is not None else []
+        return not isinstance(names, list) or not set(map(str, names)) <= set(stated_facts().tree_nodes)
 
     def value(self, name: str) -> Any:
         """Return the value of a parameter, or its default; `UNKNOWN` if neither is known, None if there is none."""
@@ -172,9 +199,16 @@ class ParameterView:
             for name, parameter in self.catalogue.sets[shared.set].parameters.items():
                 if (not shared.groups or _is_of(name, shared.groups)) and not _is_of(name, shared.without):
                     self.exact.setdefault(prefix + name, parameter)
-        self.endpoints += [(prefix, endpoint) for endpoint in facts.endpoints]
+        self.endpoints += [(prefix, endpoint) for endpoint in facts.endpoints if self._is_spoken(endpoint)]
         for slot in facts.slots:
             self._add_slot(slot, facts, prefix, seen)
+
+    def _is_spoken(self, endpoint: Endpoint) -> bool:
+        """Return false for the type of a velocity that the node does not use (nav2_util/twist_publisher.hpp)."""
+        is_stamped = self.value(_STAMPED) if _STAMPED in self.exact else UNKNOWN
+        if endpoint.type not in _VELOCITIES or not isinstance(is_stamped, bool):
+            return True
+        return _VELOCITIES[endpoint.type] == is_stamped
 
     def _add_pattern(self, pattern: str, parameter: Parameter, prefix: str) -> None:
         if "{" not in pattern:
@@ -207,6 +241,10 @@ class ParameterView:
         if names is None:
             self.open.append(prefix)
             return
+        if full in self.given:
+            self._listed |= {prefix + name for name in names}
+        elif self.is_partial:
+            self._unlisted.add(prefix)
         for name in names:
             inner = f"{prefix}{name}."
             type_, type_place = self._type(slot, facts, prefix, name)
@@ -236,8 +274,11 @@ class ParameterView:
         if key in self.given:
             value = self.given[key].value
             return None if value is UNKNOWN else str(value), self.given[key].place
+        listed, names = facts.parameters.get(slot.parameter), self.value(prefix + slot.parameter)
         default = facts.parameters.get(f"{name}.{slot.type_key}")
-        if default is not None and default.default:
+        # Nodes declare types for the default list as a whole: with any other list, each plugin needs its type.
+        is_default = listed is None or listed.default is None or names is UNKNOWN or names == listed.default
+        if default is not None and default.default and is_default:
             return str(default.default), None
         return (name if slot.spellings else ""), None
 
@@ -248,7 +289,10 @@ class ParameterView:
                 found = found or self.catalogue.plugins.get(spelling.format(plugin.type))
         self.plugins.append(replace(plugin, base=found.base if found else ""))
         if found is None and plugin.type:  # the parameters of the plugin that is likely meant; rules report the type
-            found = self.catalogue.plugins.get(nearest(plugin.type, self.catalogue.plugins, _SIMILAR))
+            names = self.catalogue.plugins
+            same = (name for name in names if name.replace("::", "/") == str(plugin.type).replace("::", "/"))
+            near = (name for name in names if is_misspelling(str(plugin.type), name))
+            found = names.get(next(chain(same, near), ""))
         facts = self.catalogue.classes.get(found.class_name) if found else None
         if found is None:
             self.open.append(prefix)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 
-from roverlink.generator.diagnostics import Rule, Severity, rules_in
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, rules_in
 
 
 class UnreadableLaunchFile(Rule, id="LCH101", severity=Severity.FATAL):
@@ -128,7 +129,50 @@ class UnknownExecutable(Rule, id="LCH108"):
     """
 
 
-class UnknownParameter(Rule, id="PAR101"):
+class RefusedArguments(Rule, id="LCH109"):
+    """A program refuses the arguments of its command line, and ends.
+
+    Bad::
+
+        - node: {pkg: tf2_ros, exec: static_transform_publisher, args: 0 0 0 0 0 0 base_link camera_link 100}
+
+    Good::
+
+        - node: {pkg: tf2_ros, exec: static_transform_publisher, args: --frame-id a --child-frame-id b}
+    """
+
+
+class NotManaged(Rule, id="LCH110"):
+    """A lifecycle manager waits for a node that it cannot start, so that no other node becomes active.
+
+    The name in `node_names` is misspelt, or the node has no lifecycle and starts by itself.
+
+    Bad::
+
+        lifecycle_manager: {ros__parameters: {node_names: [controller_server, ekf_filter_node]}}
+
+    Good::
+
+        lifecycle_manager: {ros__parameters: {node_names: [controller_server]}}
+    """
+
+
+class MissingFile(Rule, id="LCH111", severity=Severity.WARNING):
+    """A parameter file is not there.
+
+    `ros2 launch` says so in a warning, and starts the node with its defaults.
+
+    Bad::
+
+        - node: {pkg: robot_localization, exec: ekf_node, param: [{from: $(dirname)/ekff.yaml}]}
+
+    Good::
+
+        - node: {pkg: robot_localization, exec: ekf_node, param: [{from: $(dirname)/ekf.yaml}]}
+    """
+
+
+class UnknownParameter(Rule, id="PAR101", severity=Severity.WARNING):
     """A node does not have a parameter.
 
     ROS 2 silently ignores a parameter that a node does not declare: the node runs with the default.
@@ -147,7 +191,7 @@ class UnknownParameter(Rule, id="PAR101"):
     """
 
 
-class MisplacedParameter(Rule, id="PAR102"):
+class MisplacedParameter(Rule, id="PAR102", severity=Severity.WARNING):
     """A parameter stands at a place where it has no effect.
 
     It belongs to another node, to a plugin, or one level higher or lower.
@@ -200,7 +244,7 @@ class OutOfRange(Rule, id="PAR104"):
     """
 
 
-class SectionWithoutNode(Rule, id="PAR105"):
+class SectionWithoutNode(Rule, id="PAR105", severity=Severity.WARNING):
     """A section of a parameter file is for no node that gets the file.
 
     The name of the section must be the name of the node with its namespace; `/**/` in front stands for any namespace.
@@ -217,7 +261,7 @@ class SectionWithoutNode(Rule, id="PAR105"):
     """
 
 
-class RepeatedParameter(Rule, id="PAR106"):
+class RepeatedParameter(Rule, id="PAR106", severity=Severity.WARNING):
     """A parameter stands twice in the same section of a file; only the last one has an effect.
 
     Bad::
@@ -245,6 +289,49 @@ class OneAxis(Rule, id="PAR107", severity=Severity.WARNING):
     Good::
 
         FollowPath: {plugin: "dwb_core::DWBLocalPlanner", max_vel_x: 0.3}
+    """
+
+
+class WrongLength(Rule, id="PAR108"):
+    """A list has another number of values than the node needs.
+
+    Bad::
+
+        ekf_filter_node: {ros__parameters: {initial_state: [0.0, 0.0, 0.0]}}
+
+    Good::
+
+        velocity_smoother: {ros__parameters: {max_velocity: [0.5, 0.0, 2.0]}}
+    """
+
+
+class BadPolygon(Rule, id="PAR109"):
+    """A footprint or polygon is no text with a list of at least three pairs of numbers.
+
+    A costmap ignores such a footprint, with a message. A collision monitor stops with an error.
+
+    Bad::
+
+        local_costmap: {local_costmap: {ros__parameters: {footprint: "[0.3, 0.2, -0.3, -0.2]"}}}
+
+    Good::
+
+        local_costmap: {local_costmap: {ros__parameters: {footprint: "[[0.3, 0.2], [0.3, -0.2], [-0.3, 0.0]]"}}}
+    """
+
+
+class MissingParameter(Rule, id="PAR110"):
+    """A node needs a parameter that nothing gives to it, such as the type of a polygon.
+
+    The node stops with an error.
+
+    Bad::
+
+        collision_monitor: {ros__parameters: {polygons: [Stop], Stop: {radius: 0.3}}}
+
+    Good::
+
+        collision_monitor: {ros__parameters: {polygons: [Stop], Stop: {type: circle, action_type: stop, radius: 0.3}}}
     """
 
 
@@ -276,7 +363,22 @@ class PluginOfUnknownPackage(Rule, id="PLG102", severity=Severity.HINT):
     """
 
 
-class RemappingOfUnknownTopic(Rule, id="TOP101"):
+class PluginTwice(Rule, id="PLG103"):
+    """A list names libraries that the node loads by itself, so that it loads them twice and stops with an error.
+
+    Since Jazzy, `plugin_lib_names` of bt_navigator is for libraries of your own only.
+
+    Bad::
+
+        bt_navigator: {ros__parameters: {plugin_lib_names: [nav2_spin_action_bt_node]}}
+
+    Good::
+
+        bt_navigator: {ros__parameters: {plugin_lib_names: [my_dance_action_bt_node]}}
+    """
+
+
+class RemappingOfUnknownTopic(Rule, id="TOP101", severity=Severity.WARNING):
     """A remapping names a topic, service or action that the node does not have, so that it has no effect.
 
     Bad::
@@ -409,6 +511,16 @@ class FrameFromOutside(Rule, id="FRM103", severity=Severity.HINT):
 
         $ roverlink check-launch --complete launch/slam_launch.yaml
     """
+
+
+def as_hint(finding: Diagnostic) -> Diagnostic:
+    """Return a finding as a hint, because something that is not known may explain it."""
+    return replace(finding, severity=Severity.HINT)
+
+
+def as_warning(finding: Diagnostic) -> Diagnostic:
+    """Return a finding as a warning, because the node starts in spite of it."""
+    return replace(finding, severity=Severity.WARNING)
 
 
 def launch_rules() -> dict[str, type[Rule]]:

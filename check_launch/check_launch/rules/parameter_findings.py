@@ -3,31 +3,37 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Set
 from typing import Any
 
-from check_launch.catalogue.facts import Catalogue, NodeClass, Parameter
-from check_launch.expansion.parameter_files import UNKNOWN, GivenValue, Section
-from check_launch.misspellings import did_you_mean, is_near, nearest
+from check_launch.catalogue.facts import Catalogue, Parameter, PluginSlot
+from check_launch.expansion.parameter_files import UNKNOWN, GivenValue
+from check_launch.misspellings import all_nearest, did_you_mean, is_misspelling, is_near, nearest
 from check_launch.rules.known_parameters import LoadedPlugin, ParameterView
 from check_launch.rules.launch_rules import (
     MisplacedParameter,
     OneAxis,
     OutOfRange,
     PluginOfUnknownPackage,
-    RepeatedParameter,
-    SectionWithoutNode,
     UnknownParameter,
     UnknownPlugin,
     WrongType,
+    as_hint,
+    as_warning,
 )
+from check_launch.rules.node_findings import value_findings
+from check_launch.rules.stated_facts import stated_facts
 from check_launch.rules.system import RunningNode, System, Use, Variants
 from roverlink.generator.diagnostics import Diagnostic, Span
 
-_OF_RCL = re.compile(r"(?:qos_overrides\..*|use_sim_time)")
-"""Parameters that the client libraries declare."""
+_OF_LIBRARIES = re.compile(
+    r"qos_overrides\..*|use_sim_time|start_type_description_service|diagnostic_updater\..*"
+    r"|.*\.(?:compressed|compressedDepth|ffmpeg|theora|zstd)\..*|.*\.enable_pub_plugins"
+)
+"""Parameters that the client libraries, diagnostic_updater and the publishers of image_transport declare."""
 _TYPES: dict[str, type | tuple[type, ...]] = {"bool": bool, "integer": int, "double": float, "string": str}
+_SAME_PART, _SAME_NAME = 0.84, 0.85
+"""Similarities from which the last part of a name, or a whole name, is likely a misspelling of another one."""
 _SPELLED = {
     bool: "a truth value",
     int: "a whole number",
@@ -56,12 +62,7 @@ def used_parameters(system: System) -> set[Use]:
     }
 
 
-def used_sections(system: System) -> set[Use]:
-    """Return the sections of parameter files that are for at least one node."""
-    return {(section.pattern, section.place) for node in system.nodes for _, section in node.sections}
-
-
-def parameter_findings(system: System, catalogue: Catalogue, variants: Variants) -> Iterator[Diagnostic]:
+def parameter_findings(system: System, variants: Variants) -> Iterator[Diagnostic]:
     """Yield findings about the parameters of all nodes.
 
     A launch file may give a parameter to several nodes at once. That is right if one of them has it.
@@ -70,68 +71,45 @@ def parameter_findings(system: System, catalogue: Catalogue, variants: Variants)
         view = node.view
         if view is None:
             continue
-        yield from _of_plugins(view, catalogue)
-        general = {given.name for given in node.started.general_values}
-        for given in view.given.values():
-            if given.name in general and given in node.started.general_values:
-                continue  # for all nodes of a group; not each of them has it
-            if (given.name, given.place) not in variants.parameters or view.known(given.name) is not None:
-                yield from _of_value(given, node, view, system)
-        yield from _of_axes(view)
+        general = {(given.name, given.place) for given in node.started.general_values}
+        others = {
+            (given.name, given.place)
+            for given in view.given.values()
+            if (given.name, given.place) in general  # for all nodes of a group; not each of them has it
+            or ((given.name, given.place) in variants.parameters and view.known(given.name) is None)
+        }
+        yield from view_findings(view, node.name, others, system)
         yield from _of_arguments(node, view)
     yield from _of_general_values(system)
-    yield from _of_sections(system, catalogue, variants)
 
 
-def standalone_findings(sections: Iterable[Section], catalogue: Catalogue) -> Iterator[Diagnostic]:
-    """Yield findings about the sections of a parameter file that no launch file uses.
-
-    A section is checked if its name is that of a node or program in the catalogue.
-    """
-    classes = _by_name(catalogue)
-    for section in sections:
-        yield from _repeated(section)
-        if (facts := classes.get(section.node_name)) is None:
-            yield from _of_unknown_section(section, classes)
-            continue
-        view = ParameterView(facts, {given.name: given for given in section.values}, catalogue)
-        yield from _of_plugins(view, catalogue)
-        for given in section.values:
-            yield from _of_value(given, None, view, None, section.node_name)
-        yield from _of_axes(view)
-
-
-def _by_name(catalogue: Catalogue) -> dict[str, NodeClass]:
-    """Return the class of each node by its usual names: of the program, of the node, and of nodes in other nodes."""
-    found = {}
-    for package in catalogue.packages.values():
-        for executable, class_name in package.executables.items():
-            if class_name in catalogue.classes:
-                found[executable] = catalogue.classes[class_name]
-    for facts in list(catalogue.classes.values()):
-        if facts.default_name:
-            found[facts.default_name] = facts
-        for inner in facts.nodes:
-            if inner.class_name in catalogue.classes:
-                found[inner.name] = catalogue.classes[inner.class_name]
-    return found
-
-
-def _of_value(
-    given: GivenValue, node: RunningNode | None, view: ParameterView, system: System | None, name: str = ""
+def view_findings(
+    view: ParameterView, shown: str, without: Set[Use] = frozenset(), system: System | None = None
 ) -> Iterator[Diagnostic]:
-    shown = node.name if node is not None else name
-    parameter = view.known(given.name)
-    if parameter is None:
-        if not view.is_open(given.name) and not _OF_RCL.fullmatch(given.name):
-            yield _unknown(given, shown, node, view, system)
-        return
-    yield from _wrong_value(given, parameter)
+    """Yield findings about the parameters and plugins of a node with the name ``shown``.
+
+    ``without`` are parameters that are right wherever they stand. Where the node may have parameters that are not
+    known, "has no" is a hint.
+    """
+    is_unsure = view.has_unknown or (view.is_partial and system is not None)
+    for finding in _of_plugins(view):
+        yield as_hint(finding) if view.is_partial and system is not None else finding
+    for given in view.given.values():
+        if (given.name, given.place) in without:
+            continue
+        parameter = view.known(given.name)
+        if parameter is not None:
+            yield from _wrong_value(given, parameter)
+        elif not view.is_open(given.name) and not _OF_LIBRARIES.fullmatch(given.name):
+            near = any(is_misspelling(given.name, name) for name in view.exact)
+            finding = _unknown(given, shown, view, system)
+            yield as_hint(finding) if is_unsure and not near else finding
+    yield from _of_axes(view)
+    for finding in value_findings(view):
+        yield as_hint(finding) if view.is_partial and system is not None else finding
 
 
-def _unknown(
-    given: GivenValue, shown: str, node: RunningNode | None, view: ParameterView, system: System | None
-) -> Diagnostic:
+def _unknown(given: GivenValue, shown: str, view: ParameterView, system: System | None) -> Diagnostic:
     at = given.place
     known = list(view.exact)
     message = f"{shown} has no parameter '{given.name}'"
@@ -141,23 +119,35 @@ def _unknown(
             new = renamed[given.name]
             help = f"it is now '{new}'" if new else "it is gone, and nothing replaces it"
             return UnknownParameter.at(at, f"{message} any more", help)
-    if near := nearest(given.name, known, 0.75):
+    if new := stated_facts().new_name(given.name, lambda name: view.known(name) is not None):
+        return UnknownParameter.at(at, f"{message} any more", f"it is now '{new}'")
+    if near := _nearest_parameters(given.name, known):
         return UnknownParameter.at(at, message, did_you_mean(near))
     last = given.name.rpartition(".")[2]
-    elsewhere = [name for name in known if name.rpartition(".")[2] == last]
+    new = stated_facts().new_last_part(given.name)
+    elsewhere = [name for name in known if name.rpartition(".")[2] in (last, new)]
     if elsewhere:
         places = _listed(elsewhere)
         return MisplacedParameter.at(at, f"'{given.name}' has no effect here in {shown}", f"it belongs to {places}")
-    others = [other.name for other in system.nodes if _has(other, given.name) and other is not node] if system else []
+    others = [
+        other.name
+        for other in (system.nodes if system else ())
+        if other.view is not None and other.view is not view and other.view.known(given.name) is not None
+    ]
     if others:
         return MisplacedParameter.at(at, message, f"it belongs to {_listed(others)}")
-    near = nearest(last, dict.fromkeys(name.rpartition(".")[2] for name in known))
-    full = next((name for name in known if near and name.rpartition(".")[2] == near), "")
+    near_last = nearest(last, dict.fromkeys(name.rpartition(".")[2] for name in known), _SAME_PART)
+    full = next((name for name in known if near_last and name.rpartition(".")[2] == near_last), "")
     return UnknownParameter.at(at, message, did_you_mean(full))
 
 
-def _has(node: RunningNode, name: str) -> bool:
-    return node.view is not None and node.view.known(name) is not None
+def _nearest_parameters(name: str, known: list[str]) -> list[str]:
+    """Return the parameters that were likely meant: beside this one, or with a misspelt plugin in front."""
+    if stated_facts().new_last_part(name):
+        return []  # the old name of another parameter is no misspelling
+    prefix, _, last = name.rpartition(".")
+    beside = {other.rpartition(".")[2]: other for other in known if other.rpartition(".")[0] == prefix}
+    return [beside[part] for part in all_nearest(last, beside, _SAME_PART)] or all_nearest(name, known, _SAME_NAME)
 
 
 def _listed(names: Iterable[str]) -> str:
@@ -177,11 +167,17 @@ def _wrong_value(given: GivenValue, parameter: Parameter) -> Iterator[Diagnostic
     low, high = parameter.minimum, parameter.maximum
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if is_number and ((low is not None and value < low) or (high is not None and value > high)):
-        yield OutOfRange.at(at, f"the parameter '{given.name}' is {value}; it must be {_limits(low, high)}")
+        yield _outside(given, f"the parameter '{given.name}' is {value}; it must be {_limits(low, high)}")
     if parameter.choices and value not in parameter.choices:
         known = ", ".join(str(choice) for choice in parameter.choices)
         help = did_you_mean(nearest(str(value), map(str, parameter.choices)))
-        yield OutOfRange.at(at, f"the parameter '{given.name}' is {value!r}; it must be one of: {known}", help)
+        yield _outside(given, f"the parameter '{given.name}' is {value!r}; it must be one of: {known}", help)
+
+
+def _outside(given: GivenValue, message: str, help: str = "") -> Diagnostic:
+    """Return an error, or a warning if the node takes another value and starts."""
+    finding = OutOfRange.at(given.place, message, help)
+    return as_warning(finding) if given.name.rpartition(".")[2] in stated_facts().tolerated else finding
 
 
 def _limits(low: float | None, high: float | None) -> str:
@@ -224,7 +220,7 @@ def _spelling(value: Any, type_: str) -> str:
     return ""
 
 
-def _of_plugins(view: ParameterView, catalogue: Catalogue) -> Iterator[Diagnostic]:
+def _of_plugins(view: ParameterView) -> Iterator[Diagnostic]:
     for plugin in view.plugins:
         if plugin.place is None or plugin.type is None:
             continue
@@ -236,10 +232,11 @@ def _of_plugins(view: ParameterView, catalogue: Catalogue) -> Iterator[Diagnosti
             known = sorted(
                 {name.rpartition(".")[0] for name in view.given if name.endswith(f".{plugin.slot.type_key}")}
             )
-            help = did_you_mean(nearest(plugin.name, known).rpartition(".")[2], f"set '{key}'")
+            misspelt = [name for name in known if is_misspelling(plugin.name, name)]
+            help = did_you_mean([name.rpartition(".")[2] for name in misspelt], f"set '{key}'")
             yield UnknownPlugin.at(at, f"the plugin '{plugin.name}' has no type", help)
         elif not plugin.base:
-            yield from _unknown_plugin(plugin, at, catalogue)
+            yield _unknown_plugin(plugin, at, view.catalogue)
         elif plugin.base.rpartition("::")[2] != plugin.slot.base.rpartition("::")[2]:
             loads = f"'{plugin.slot.parameter}' loads a {plugin.slot.base}"
             yield UnknownPlugin.at(at, f"the plugin '{plugin.type}' is a {plugin.base}, but {loads}")
@@ -257,23 +254,38 @@ def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
     near = [name for name in bare if is_near(plugin.name, name, 2)]
     if plugin.place is not None and near:
         message = f"the plugin '{plugin.name}' is not in '{plugin.slot.parameter}'"
-        yield UnknownPlugin.at(plugin.place, message, did_you_mean(near[0]))
+        yield as_warning(UnknownPlugin.at(plugin.place, message, did_you_mean(near)))
 
 
-def _unknown_plugin(plugin: LoadedPlugin, at: Any, catalogue: Catalogue) -> Iterator[Diagnostic]:
+def _affixes(slot: PluginSlot) -> Iterator[tuple[str, str]]:
+    """Yield what stands around a short name of a plugin in its full name."""
+    for spelling in slot.spellings:
+        before, _, after = spelling.partition("{}")
+        yield before, after
+
+
+def _unknown_plugin(plugin: LoadedPlugin, at: Span, catalogue: Catalogue) -> Diagnostic:
+    """Return an error about a plugin that cannot exist, or a hint about one of a package that is not known."""
     type_ = plugin.type or ""
     base = plugin.slot.base.rpartition("::")[2]
     fitting = {name for name, known in catalogue.plugins.items() if known.base.rpartition("::")[2] == base}
-    short = {name.rpartition("::")[2]: name for name in fitting}
-    near = nearest(type_, [*fitting, *short], 0.7)
+    short = {
+        name.removeprefix(before).removesuffix(after) for name in fitting for before, after in _affixes(plugin.slot)
+    }
+    message = f"unknown plugin '{type_}' for '{plugin.slot.parameter}'"
+    if (new := stated_facts().renamed_plugins.get(type_, "")) in fitting:
+        return UnknownPlugin.at(at, message, f"it is now '{new}'")
+    spelled = {re.sub("::|/", "/", name): name for name in fitting}
+    if same := spelled.get(re.sub("::|/", "/", type_)):
+        return UnknownPlugin.at(at, message, did_you_mean(same))
     package = re.split(r"::|/", type_)[0]
-    if near or package in catalogue.packages or plugin.slot.spellings:
-        help = did_you_mean(near, f"plugins of this kind: {', '.join(sorted(fitting))}")
-        yield UnknownPlugin.at(at, f"unknown plugin '{type_}' for '{plugin.slot.parameter}'", help)
-    else:
-        yield PluginOfUnknownPackage.at(
-            at, f"the plugin '{type_}' is of a package that is not in the catalogue; its parameters are not checked"
-        )
+    if misspelt := sorted(name for name in (*fitting, *short) if is_misspelling(type_, name)):
+        return UnknownPlugin.at(at, message, did_you_mean(misspelt))
+    if package in catalogue.packages or (package == type_ and not plugin.slot.spellings):
+        near = all_nearest(type_, [*fitting, *short], 0.7)
+        return UnknownPlugin.at(at, message, did_you_mean(near, f"plugins of this kind: {', '.join(sorted(fitting))}"))
+    message = f"the plugin '{type_}' is of a package that is not in the catalogue; its parameters are not checked"
+    return PluginOfUnknownPackage.at(at, message)
 
 
 def _of_axes(view: ParameterView) -> Iterator[Diagnostic]:
@@ -313,61 +325,8 @@ def _of_general_values(system: System) -> Iterator[Diagnostic]:
     for (name, place), nodes in users.items():
         if any(node.view is None or node.view.known(name) or node.view.is_open(name) for node in nodes):
             continue
-        if not _OF_RCL.fullmatch(name):
+        if not _OF_LIBRARIES.fullmatch(name):
             known = {parameter for node in nodes if node.view for parameter in node.view.exact}
             message = f"no node of this group has a parameter '{name}'"
-            yield UnknownParameter.at(place, message, did_you_mean(nearest(name, known)))
-
-
-def _of_sections(system: System, catalogue: Catalogue, variants: Variants) -> Iterator[Diagnostic]:
-    """Yield findings about sections of parameter files that no node of the launch file uses."""
-    sections: dict[tuple[str, Use], tuple[Section, list[RunningNode]]] = {}
-    for node in system.nodes:
-        for use in node.started.files:
-            for section in use.sections:
-                key = (use.shown, (section.pattern, section.place))
-                sections.setdefault(key, (section, []))[1].append(node)
-    classes: dict[str, NodeClass] | None = None
-    for (_, use_of_section), (section, nodes) in sections.items():
-        yield from _repeated(section)
-        if use_of_section not in variants.sections:
-            classes = classes if classes is not None else _by_name(catalogue)
-            known = [node for node in nodes if node.facts is not None]
-            yield from _of_unused_section(section, known, classes, catalogue)
-
-
-def _of_unused_section(
-    section: Section, nodes: list[RunningNode], classes: dict[str, NodeClass], catalogue: Catalogue
-) -> Iterator[Diagnostic]:
-    at = section.place
-    same = [node for node in nodes if node.name == section.node_name]
-    if same:
-        full = same[0].full_name
-        help = f"write '{full}', or '/**/{section.node_name}' for any namespace"
-        yield SectionWithoutNode.at(at, f"the section '{section.pattern}' is not for the node '{full}'", help)
-        return
-    if section.node_name in classes:
-        yield from standalone_findings([section], catalogue)  # for a node that another launch file starts
-        return
-    if near := nearest(section.node_name, [node.name for node in nodes], 0.7):
-        yield SectionWithoutNode.at(at, f"no node has the name '{section.node_name}'", did_you_mean(near))
-    else:
-        yield from _of_unknown_section(section, classes)
-
-
-def _of_unknown_section(section: Section, classes: dict[str, NodeClass]) -> Iterator[Diagnostic]:
-    if "*" in section.node_name:
-        return
-    if near := nearest(section.node_name, classes, 0.85):
-        yield SectionWithoutNode.at(section.place, f"no node has the name '{section.node_name}'", did_you_mean(near))
-
-
-def _repeated(section: Section) -> Iterator[Diagnostic]:
-    counts = Counter(given.name for given in section.values)
-    for given in section.values:
-        if counts[given.name] > 1:
-            counts[given.name] -= 1
-            yield RepeatedParameter.at(
-                given.place,
-                f"the parameter '{given.name}' stands again further down, and only the last one has an effect",
-            )
+            finding = UnknownParameter.at(place, message, did_you_mean(nearest(name, known)))
+            yield as_hint(finding) if system.has_unknown else finding

@@ -18,6 +18,7 @@ from check_launch.rules.launch_rules import (
     UnknownPlugin,
 )
 from check_launch.rules.rviz_files import read_rviz_file
+from check_launch.rules.stated_facts import stated_facts
 from roverlink.generator.diagnostics import Diagnostic, Span
 
 _WITHOUT_NODES = frozenset({"rclcpp_components"})
@@ -58,6 +59,8 @@ class RunningNode:
     namespace: str
     is_inner: bool = False
     """True for a node that another node creates."""
+    has_known_name: bool = True
+    """False if the node's program gives a name that is not known, or if it is known at run time only."""
     view: ParameterView | None = None
     connections: list[Connection] = field(default_factory=list)
     connections_before: list[str] = field(default_factory=list)
@@ -95,8 +98,6 @@ class Variants:
 
     parameters: frozenset[Use]
     """Given parameters that a node has."""
-    sections: frozenset[Use]
-    """Patterns of sections of parameter files that are for a node."""
     remappings: frozenset[Use]
     """Remappings that have an effect."""
     ends: frozenset[tuple[str, str]]
@@ -108,16 +109,20 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
     system = System(has_unknown=bool(expansion.skipped) or expansion.runs_programs)
     for started in expansion.nodes:
         facts = _facts(started, catalogue, system)
-        name = _name(started, facts)
+        usual = _usual_name(started, facts)
+        name = started.name or usual or (started.executable or started.plugin or "node").rpartition("::")[2]
         namespace = started.namespace if started.namespace is not None else ""
-        node = RunningNode(started, facts, name, _absolute(namespace))
+        is_known = started.namespace is not None and bool(started.name or (started.name == "" and usual))
+        node = RunningNode(started, facts, name, _absolute(namespace), has_known_name=is_known)
         system.nodes.append(node)
         for inner in facts.nodes if facts else ():
             inner_facts = catalogue.classes.get(inner.class_name)
-            system.nodes.append(
-                RunningNode(started, inner_facts, inner.name, joined(node.namespace, inner.namespace), is_inner=True)
-            )
+            inner_namespace = joined(node.namespace, inner.namespace)
+            system.nodes.append(RunningNode(started, inner_facts, inner.name, inner_namespace, True, is_known))
     for node in system.nodes:
+        node.sections = [
+            (use, section) for use in node.started.files for section in use.sections if section.matches(node.full_name)
+        ]
         if node.facts is not None:
             _complete(node, node.facts, catalogue)
     for node in system.nodes:
@@ -179,12 +184,10 @@ def _absolute(namespace: str) -> str:
     return f"/{namespace.strip('/')}" if namespace.strip("/") else ""
 
 
-def _name(started: StartedNode, facts: NodeClass | None) -> str:
-    if started.name:
-        return started.name
-    if facts is not None and facts.default_name:
-        return facts.default_name
-    return (started.executable or started.plugin or "node").rpartition("::")[2]
+def _usual_name(started: StartedNode, facts: NodeClass | None) -> str:
+    """Return the name of a node to which a launch file gives none; empty if it is not known."""
+    stated = stated_facts().usual_names.get(f"{started.package}/{started.executable}", "")
+    return stated or (facts.default_name if facts is not None else "")
 
 
 def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeClass | None:
@@ -240,15 +243,12 @@ def _complete(node: RunningNode, facts: NodeClass, catalogue: Catalogue) -> None
     """Find the parameters, topics and transforms of a node."""
     started = node.started
     given: dict[str, GivenValue] = {value.name: value for value in started.general_values}
-    for use in started.files:
-        for section in use.sections:
-            if section.matches(node.full_name):
-                node.sections.append((use, section))
-                given |= {value.name: value for value in section.values}
+    for _, section in node.sections:
+        given |= {value.name: value for value in section.values}
     if not node.is_inner:
         given |= {value.name: value for value in started.values}
     given |= {value.name: value for value in _of_arguments(started, facts.arguments)}
-    view = node.view = ParameterView(facts, given, catalogue)
+    view = node.view = ParameterView(facts, given, catalogue, started.has_unknown_files)
     for prefix, endpoint in view.endpoints:
         node.connections += _connections(node, view, prefix, endpoint, started.remappings)
     of_tree = next((rule for rule in started.remappings if rule.target and "/tf" in sources_of(rule, node)), None)
@@ -293,7 +293,8 @@ def _connections(
         if name == "":
             continue
         place = named.place if named else node.started.place
-        topic = full_name(name.replace("{node}", node.name), node) if name is not None else None
+        process = _absolute(node.started.namespace or "")
+        topic = name and full_name(name.replace("{node}", node.name).replace("{process}", process), node)
         if topic:
             node.connections_before.append(topic)
         if view.holds(when, prefix) is False:
@@ -319,10 +320,11 @@ def _connections(
 
 def _spellings(view: ParameterView, prefix: str, endpoint: Endpoint) -> Iterator[tuple[str, str, str]]:
     """Yield the name of a topic and its two conditions, for each name that ``{x}`` in them stands for."""
-    joint = "\0".join((endpoint.name.replace("{node}", "\1"), endpoint.when, endpoint.needed))
+    named = endpoint.name.replace("{node}", "\1").replace("{process}", "\2")
+    joint = "\0".join((named, endpoint.when, endpoint.needed))
     for spelling in view.spelled(joint, prefix):
         name, when, needed = spelling.split("\0")
-        yield name.replace("\1", "{node}"), when, needed
+        yield name.replace("\1", "{node}").replace("\2", "{process}"), when, needed
 
 
 def full_name(name: str, node: RunningNode) -> str:

@@ -1,0 +1,171 @@
+"""Findings about what a node refuses although names and types are right, or what it waits for without end."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from check_launch.expansion.parameter_files import UNKNOWN, GivenValue
+from check_launch.misspellings import did_you_mean, is_misspelling
+from check_launch.rules.known_parameters import ParameterView
+from check_launch.rules.launch_rules import (
+    BadPolygon,
+    MissingParameter,
+    NotManaged,
+    PluginTwice,
+    RefusedArguments,
+    WrongLength,
+    as_warning,
+)
+from check_launch.rules.stated_facts import stated_facts
+from check_launch.rules.system import RunningNode, System
+from roverlink.generator.diagnostics import Diagnostic
+
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_OPTIONS = frozenset(
+    {
+        "--x",
+        "--y",
+        "--z",
+        "--qx",
+        "--qy",
+        "--qz",
+        "--qw",
+        "--roll",
+        "--pitch",
+        "--yaw",
+        "--frame-id",
+        "--child-frame-id",
+    }
+)
+"""Options of static_transform_publisher (tf2_ros/src/static_transform_broadcaster_program.cpp)."""
+_LEAST_POINTS = 3
+
+
+def value_findings(view: ParameterView) -> Iterator[Diagnostic]:
+    """Yield findings about values that the node refuses, and about parameters without which it does not start."""
+    for given in view.given.values():
+        yield from _of_length(given, view)
+    yield from _of_polygons(view)
+    yield from _of_needed(view)
+    yield from _of_built_in_plugins(view)
+
+
+def _of_length(given: GivenValue, view: ParameterView) -> Iterator[Diagnostic]:
+    lengths = stated_facts().length_of(view.facts.name, given.name)
+    if lengths and isinstance(given.value, list) and len(given.value) not in lengths:
+        wanted = " or ".join(map(str, lengths))
+        finding = WrongLength.at(given.place, f"'{given.name}' has {len(given.value)} values; it must have {wanted}")
+        yield as_warning(finding) if given.name in stated_facts().tolerated else finding
+
+
+def _of_polygons(view: ParameterView) -> Iterator[Diagnostic]:
+    for pattern in stated_facts().polygons.get(view.facts.name, []):
+        for name in view.spelled(pattern, ""):
+            given = view.given.get(name)
+            if given is None or not isinstance(given.value, str) or given.value in ("", "[]"):
+                continue
+            if not _is_polygon(given.value):
+                help = 'write a text such as "[[0.3, 0.2], [0.3, -0.2], [-0.3, -0.2], [-0.3, 0.2]]"'
+                message = f"'{name}' is no list of at least {_LEAST_POINTS} pairs of numbers"
+                finding = BadPolygon.at(given.place, message, help)
+                yield as_warning(finding) if pattern == "footprint" else finding
+
+
+def _is_polygon(text: str) -> bool:
+    try:
+        points = ast.literal_eval(text.strip())
+    except (ValueError, SyntaxError, MemoryError, RecursionError):
+        return False
+    return (
+        isinstance(points, list)
+        and len(points) >= _LEAST_POINTS
+        and all(isinstance(point, list) and len(point) == 2 for point in points)  # x and y
+        and all(type(number) in (int, float) for point in points for number in point)
+    )
+
+
+def _of_needed(view: ParameterView) -> Iterator[Diagnostic]:
+    """Yield findings about parameters that the node needs for each name in a list, such as the type of a polygon."""
+    for pattern in stated_facts().needed.get(view.facts.name, []):
+        lists = view.given.get(pattern[1 : pattern.index("}")])
+        if lists is None:
+            continue
+        for name in view.spelled(pattern, ""):
+            if name not in view.given:
+                message = f"'{name.partition('.')[0]}' has no '{name.partition('.')[2]}'"
+                yield MissingParameter.at(lists.place, message, f"set '{name}'")
+
+
+def _of_built_in_plugins(view: ParameterView) -> Iterator[Diagnostic]:
+    """Yield a finding about libraries of behavior trees that the node loads by itself already.
+
+    Since Jazzy, bt_navigator adds plugin_lib_names to the libraries of nav2_behavior_tree, and a node of a tree cannot
+    be registered twice (nav2_bt_navigator/src/bt_navigator.cpp).
+    """
+    given = view.given.get("plugin_lib_names")
+    declared = view.exact.get("plugin_lib_names")
+    if given is None or declared is None or declared.default or not isinstance(given.value, list):
+        return
+    twice = [name for name in given.value if name in stated_facts().tree_nodes]
+    if twice:
+        names = ", ".join(twice[:3]) + (", ..." if len(twice) > 3 else "")  # as many as fit a line
+        message = f"{len(twice)} of these libraries are loaded already, and registered twice: {names}"
+        yield PluginTwice.at(given.place, message, "list only libraries of your own")
+
+
+def node_findings(system: System) -> Iterator[Diagnostic]:
+    """Yield findings about arguments of programs, and about nodes that a lifecycle manager waits for."""
+    for node in system.nodes:
+        if node.started.package == "tf2_ros" and node.started.executable == "static_transform_publisher":
+            yield from _of_static_transform(node)
+        if node.facts is not None and node.facts.name == "nav2_lifecycle_manager::LifecycleManager":
+            yield from _of_lifecycle(node, system)
+
+
+def _of_static_transform(node: RunningNode) -> Iterator[Diagnostic]:
+    words = [*node.started.arguments]
+    if "--ros-args" in words:
+        words = words[: words.index("--ros-args")]
+    if not words or None in words:
+        return
+    texts = [word for word in words if word is not None]
+    at = node.started.place
+    if any(word.startswith("--") for word in texts):
+        unknown = [word for word in texts if word.startswith("--") and word not in _OPTIONS]
+        if unknown:
+            help = "the options are --x --y --z --roll --pitch --yaw --qx --qy --qz --qw --frame-id --child-frame-id"
+            yield RefusedArguments.at(at, f"static_transform_publisher has no option '{unknown[0]}'", help)
+        return
+    numbers = len(texts) - 2
+    help = "write --x 0 --y 0 --z 0 --yaw 0 --pitch 0 --roll 0 --frame-id PARENT --child-frame-id CHILD"
+    if numbers not in (6, 7):
+        period = " (ROS 2 takes no period)" if _NUMBER.fullmatch(texts[-1]) else ""
+        message = f"static_transform_publisher gets {len(texts)} words; it takes 8 or 9{period}"
+        yield RefusedArguments.at(at, message, help)
+        return
+    wrong = next((word for word in texts[:numbers] if not _NUMBER.fullmatch(word)), None)
+    if wrong is not None:
+        is_period = numbers == 7 and _NUMBER.fullmatch(texts[-1])  # x y z and a quaternion
+        period = "; ROS 2 takes no period at the end" if is_period else ""
+        message = f"with {len(texts)} words, static_transform_publisher reads '{wrong}' as a number{period}"
+        yield RefusedArguments.at(at, message, help)
+
+
+def _of_lifecycle(manager: RunningNode, system: System) -> Iterator[Diagnostic]:
+    given = manager.view.given.get("node_names") if manager.view else None
+    if given is None or given.value is UNKNOWN or not isinstance(given.value, list):
+        return
+    running = {node.name: node for node in system.nodes if node.has_known_name}
+    for name in map(str, given.value):
+        node = running.get(name.rpartition("/")[2])
+        waits = f"{manager.name} waits for '{name}' without end"
+        if node is None:
+            near = [other for other in running if is_misspelling(name, other) and other not in given.value]
+            if near:
+                message = f"{waits}: no node has this name"
+                yield NotManaged.at(given.place, message, did_you_mean(sorted(near)))
+        elif node.started.package in stated_facts().without_lifecycle:
+            message = f"{waits}: it has no lifecycle"
+            yield NotManaged.at(given.place, message, "remove it from node_names; it starts by itself")
