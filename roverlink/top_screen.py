@@ -237,7 +237,9 @@ def _header(state: dict[str, Any], label: str, width: int) -> list[Text]:
     ]
     if "recording" in node:
         size, waiting, lost = (node.get(f"recording_{name}", 0) for name in ("bytes", "waiting", "lost"))
-        recording = f"recording: {lost} messages lost, {waiting} waiting for the disk, {size / 1e6:.1f} MB in "
+        recording = (
+            f"recording: {counted(lost, 'message')} lost, {waiting} waiting for the disk, {size / 1e6:.1f} MB in "
+        )
         lines.append(Text(_plain(recording + node["recording"])))
     received = f"datagrams received: {node['received']} ({node['received_rate']:.1f}/s)"
     sent = f"forwarded: {_named(node, 'forwarded.')}; send errors: {_named(node, 'unsent.')}"

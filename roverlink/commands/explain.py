@@ -23,7 +23,7 @@ from functools import cache
 from typing import Any
 
 from roverlink.completion import complete, rows, topics
-from roverlink.console import FINDINGS, OK, Subparsers, add_table, documented_command, table_file
+from roverlink.console import FINDINGS, OK, Subparsers, add_table, counted, documented_command, table_file
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Rule, Severity
 from roverlink.generator.lint.rules import lint_rules
@@ -179,7 +179,7 @@ def _request(request: dict[str, Any] | None) -> Iterator[str]:
         return
     by = f"with the same {request['field']}" if request["field"] else "one at a time"
     yield f"answered by {request['response']}, {by}"
-    yield f"sent up to {request['attempts']} times, again for the first time after {request['timeout_ms']} ms"
+    yield f"sent up to {counted(request['attempts'], 'time')}, again for the first time after {request['timeout_ms']} ms"
     if service := request["service"]:
         yield f"service {service['name']} ({service['type']})"
 

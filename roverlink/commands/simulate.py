@@ -46,6 +46,7 @@ from roverlink.console import (
     add_destination,
     add_key_file,
     add_project,
+    counted,
     documented_command,
     isolate_ros,
     print_note,
@@ -197,7 +198,8 @@ def _to_a_bridge(arguments: argparse.Namespace, world: World, stream: Stream, to
         print(json.dumps({"sent": dict(sorted(totals.sent.items())), "unsendable": totals.unsendable}))
         return OK
     ends = ", ".join(f"{count} {end}" for end, count in totals.sent.most_common())
-    print(f"sent {totals.sent.total()} datagrams to {arguments.to}; the bridge should have counted: {ends or 'none'}")
+    sent = counted(totals.sent.total(), "datagram")
+    print(f"sent {sent} to {arguments.to}; the bridge should have counted: {ends or 'none'}")
     return OK
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import secrets
 import socket
 import threading
 from collections import Counter
@@ -69,6 +70,8 @@ class LinkState(NamedTuple):
 
 _GOOD = frozenset({LinkEvent.RESOLVED, LinkEvent.LEARNED, LinkEvent.REACHABLE, LinkEvent.CONNECTED})
 
+_SEAL = 16  # bytes
+
 Note = Callable[[LinkEvent, str], None]
 """Function that counts an event of an end, and logs its text."""
 Sign = Callable[[bytes], bytes]
@@ -110,7 +113,7 @@ class Ends:
                 partial(note, name),
                 own,
                 shared,
-                lambda: Outbox(lambda datagram: priority_of(number_of(datagram, registry.signature))),
+                lambda seal: Outbox(lambda one: priority_of(number_of(one.removeprefix(seal), registry.signature))),
                 signing(name),
             )
             for name, end in registry.ends.items()
@@ -195,7 +198,7 @@ class _Steering:
         note: Note,
         own: socket.socket,
         shared: socket.socket | None,
-        outbox: Callable[[], Outbox[bytes]],
+        outbox: Callable[[bytes], Outbox[bytes]],
         sign: Sign | None,
     ) -> None:
         self._end, self._note, self._own, self._outbox, self._sign = end, note, own, outbox, sign
@@ -264,13 +267,15 @@ class _Steering:
                 return
             self._stop_threads()
             self._wanted, self._targets, self._missing = wanted, {}, set()
-            if (signs := wanted.is_line and self._sign is not None) != self.destination.signs:
-                self.destination.direct_to()  # nothing may leave without a signature, or with two
-                self.destination.signs = signs
+            seal = secrets.token_bytes(_SEAL) if wanted.is_line and self._sign is not None else b""
+            if seal or self.destination.seal:
+                self.destination.direct_to()  # nothing may leave with an old seal, or without a signature
+                self.destination.seal = seal
             for host in () if self._learns else wanted.hosts:
                 if wanted.is_line:
-                    transport, outbox = transport_at(host), self._outbox()
-                    self.carrier = Carrier(transport, self._own, self._connection_changed, outbox, self._sign)
+                    sign = partial(_signed, self._sign, seal) if self._sign is not None else None
+                    given = (transport_at(host), self._own, self._connection_changed, self._outbox(seal), sign)
+                    self.carrier = Carrier(*given)
                 # An address of a network interface needs the interface, which may not be there yet.
                 elif is_literal(host) and "%" not in host and not self._end.interface:
                     with contextlib.suppress(OSError):  # it is noted
@@ -388,6 +393,14 @@ class _Steering:
         # The host may have another address now, in both cases.
         for watch in self._watches:
             watch.again()
+
+
+def _signed(sign: Sign, seal: bytes, datagram: bytes) -> bytes:
+    """Sign a datagram that the bridge has sealed. Others leave as they are, such as those of the policy ``all``.
+
+    Any program of this computer can send to the carrier, and must not get the signature of the bridge.
+    """
+    return sign(datagram.removeprefix(seal)) if datagram.startswith(seal) else datagram
 
 
 def _with_port(address: SocketAddress, port: int) -> SocketAddress:

@@ -67,7 +67,7 @@ class SignedPeers:
     def sending(self, end: EndName, send: to_peer.Send, destination: Destination) -> to_peer.Send:
         """Return a function that sends datagrams with ``send``, and signs them before if the peer must sign.
 
-        What goes over a line is signed when the line is free (`Destination.signs`).
+        What goes over a line is signed when the line is free (`Destination.seal`).
         """
         sender = self._sender(end)
         return send if sender is None else partial(sender.send, send, destination)
@@ -141,7 +141,7 @@ class _SignedSender:
 
     def send(self, send: to_peer.Send, destination: Destination, datagrams: Sequence[bytes]) -> int:
         """Sign datagrams, unless they are signed on their way, and send them."""
-        if destination.signs:
-            return send(datagrams)
+        if seal := destination.seal:
+            return send([seal + datagram for datagram in datagrams])
         with self._signer.lock:
             return send([*map(self.signed, datagrams)])

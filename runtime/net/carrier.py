@@ -108,7 +108,7 @@ class Carrier:
         """Carry between ``transport`` and the bound UDP socket of the program.
 
         ``report`` gets each change of the connection. ``outbox`` decides which datagram goes next.
-        ``sign`` signs each when it leaves: what is signed may not be overtaken any more.
+        ``sign`` gets each when it leaves, and signs it: what is signed may not be overtaken any more.
         """
         self._transport, self._report, self._sign = transport, report, sign
         self._outbox = outbox or Outbox[bytes]()

@@ -83,8 +83,8 @@ class Destination:
         self._ways: list[_Way] = []
         self._used: tuple[_Way, ...] = ()
         self._serves_core = True
-        self.signs = False
-        """True if what is sent here gets its signature behind this socket, when the line to the end is free."""
+        self.seal = b""
+        """Secret bytes in front of what is signed behind this socket, when a line is free; empty if nothing is."""
         self.direct_to(*targets)
 
     def direct_to(self, *targets: Target) -> None:
@@ -106,7 +106,7 @@ class Destination:
         self._note_route()
 
     def _note_route(self) -> None:
-        routes = [way.connected_socket for way in self._used if self._serves_core and not self.signs]
+        routes = [way.connected_socket for way in self._used if self._serves_core and not self.seal]
         self.connected_socket.value = routes[0] if len(routes) == 1 else _NONE
 
     @property

@@ -15,7 +15,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, Subparsers, add_recording, documented_command, print_note
+from roverlink.console import FINDINGS, OK, Subparsers, add_recording, counted, documented_command, print_note
 from roverlink.runtime import SetupError
 from roverlink.runtime.atomic_files import replacing
 from roverlink.runtime.recording import EXPORTS
@@ -52,5 +52,5 @@ def run(arguments: argparse.Namespace) -> int:
         raise SetupError(f"{out}: cannot write the file: {error.strerror or error}") from error
     for jump in recording.jumps:
         print_note(f"the computer's clock {jump.text(recording.start)}; wall_ns follows it, time_ns counts on")
-    print(f"wrote {written} messages of {arguments.topic} to {out}")
+    print(f"wrote {counted(written, 'message')} of {arguments.topic} to {out}")
     return OK if written else FINDINGS

@@ -153,8 +153,7 @@ def run(arguments: argparse.Namespace) -> int:
             ticks.append(_progress(recording.start, length, keyboard.available))
         playback = Playback(replay.messages, (recording.start, recording.end), start, arguments.speed)
         sent, took = _play(playback, send, ticks, keyboard, arguments.loop)
-    what = "datagrams" if arguments.role == "board" else "messages"
-    print(f"replayed {sent} {what} in {took:.1f} s")
+    print(f"replayed {counted(sent, 'datagram' if arguments.role == 'board' else 'message')} in {took:.1f} s")
     for reason, count in replay.refused.items():
         print_note(f"skipped {counted(count, 'message')}: {reason}")
     return FINDINGS if replay.refused else OK
