@@ -87,6 +87,7 @@ def _add(project: Path, name: str, *options: str, proto: str = "B", direction: s
         return int(main(["add", name, "--proto", proto, "--direction", direction, *options]))
 
 
+@pytest.mark.slow
 def test_a_row_is_added_and_generated(two_payloads: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The number is the next one that was never taken, the topic the name unless it is given; all is generated."""
     assert _add(two_payloads, "b", direction="ros_to_board") == 0

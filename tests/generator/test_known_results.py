@@ -12,6 +12,8 @@ from roverlink.__main__ import main
 from roverlink.generator import known_results, pipeline
 from roverlink.generator.lint import project as lint_project
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def worked(project: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], tuple[list[int], int]]:

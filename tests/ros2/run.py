@@ -33,6 +33,7 @@ COMMS = ROOT / "generated" / "ros" / "comms"
 INTERFACES, TEMPLATE = HERE / "interfaces", HERE / "template"
 DISTRIBUTIONS = ("jazzy", "kilted")
 TESTS = [str(ROOT / folder / "tests" / "ros2") for folder in ("", "rover", "check_launch")]
+_ALL = ["-n", "auto", "-m", "slow or not exhaustive"]
 
 
 def main() -> int:
@@ -54,7 +55,7 @@ def main() -> int:
             print(f"ROS 2 {distribution} was not prepared: {error}", file=sys.stderr)
             return 2
         print(f"== ROS 2 {distribution}", flush=True)
-        failed |= run(distribution, "-m", "pytest", *TESTS, "-n", "auto", "-m", "slow or not exhaustive", *for_pytest) != 0
+        failed |= run(distribution, "-m", "pytest", *TESTS, *_ALL, *for_pytest) != 0
     return int(failed)
 
 

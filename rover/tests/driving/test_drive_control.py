@@ -339,3 +339,4 @@ class _AnyCourse(RuleBasedStateMachine):
 
 test_whatever_happens = _AnyCourse.TestCase
 test_whatever_happens.settings = settings(max_examples=40)
+test_whatever_happens.pytestmark = [pytest.mark.slow]
