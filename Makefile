@@ -86,7 +86,7 @@ lint: $(VENV)/ready-full  ## ruff, black, mypy --strict, whether generated/ is w
 bench: $(VENV)/ready-bench  ## speed, side by side with what one would otherwise do
 	$(BIN)/python -m bench
 
-bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames, beside OpenCV (OPENCV=4.8: that version)
+bench-vision: $(VENV)/ready-bench-vision  ## marker poses and calibrations on rendered frames and photographs, beside OpenCV (OPENCV=4.8: that version)
 	$(BIN)/python -m rover.bench.vision
 
 bench-video: $(VENV)/ready-bench-video  ## video on loopback and on bad links, beside GStreamer, which has to be installed

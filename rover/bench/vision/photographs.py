@@ -68,7 +68,9 @@ def measure(say: Callable[[str], None], folder: Path = PHOTOS) -> SectionResult:
     tables.append(Table("Markers on photographs of a room, one frame each", columns, [Group("", rows)]))
     rows = [[one.contestant, str(one.markers), f"{one.rms:.3f}"] for one in fits]
     notes = ["RMS of the distances between corners and board, after a calibration with these corners."]
-    tables.append(Table("Corners on photographs of a printed board", ("", "markers", "RMS px"), [Group("", rows)], notes))
+    tables.append(
+        Table("Corners on photographs of a printed board", ("", "markers", "RMS px"), [Group("", rows)], notes)
+    )
     return SectionResult(tables, (), {"room": [asdict(one) for one in found], "board": [asdict(one) for one in fits]})
 
 
@@ -85,9 +87,12 @@ def find(folder: Path, contestant: str) -> Found:
     return Found(contestant, listed, found, false)
 
 
-def fit(folder: Path, contestant: str) -> Fit:
-    """Return how well the corners that a contestant finds in photographs of the board agree with its geometry."""
-    paths = sorted(folder.glob("*.jpg"))
+def fit(folder: Path, contestant: str, stride: int = 1) -> Fit:
+    """Return how well the corners that a contestant finds in photographs of the board agree with its geometry.
+
+    Uses every `stride`-th photograph.
+    """
+    paths = sorted(folder.glob("*.jpg"))[::stride]
     first = _photograph(paths[0])
     camera = _guessed(first)
     if contestant == OURS:  # a camera is needed before the corners; that of OpenCV's corners is good enough
@@ -126,7 +131,9 @@ def _photograph(path: Path) -> Grey:
 
 def _guessed(image: Grey) -> CameraParameters:
     height, width = image.shape
-    return CameraParameters(np.array([[width, 0, width / 2], [0, width, height / 2], [0, 0, 1]]), np.zeros(5), (width, height))
+    return CameraParameters(
+        np.array([[width, 0, width / 2], [0, width, height / 2], [0, 0, 1]]), np.zeros(5), (width, height)
+    )
 
 
 def _on_board(corners: Corners) -> list[int]:

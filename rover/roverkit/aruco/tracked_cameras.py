@@ -109,10 +109,12 @@ class CameraOpener:
             camera = infos.first()
         # Only now: the size is known from the first frame, since a camera may not give the size that was requested.
         camera = for_images(camera, size, origin, rescale=self._arguments.rescale, warn=warn)
-        return TrackedCamera(entry, source, camera, partial(self._changed, infos, size, origin) if infos else lambda: None)
+        return TrackedCamera(
+            entry, source, camera, partial(self._changed, infos, size, origin) if infos else lambda: None
+        )
 
     def _changed(self, infos: CameraInfos, size: tuple[int, int], origin: str) -> CameraParameters | None:
-        """Return the newest parameters of a topic, if they are others and fit the images; log the change in any case."""
+        """Return the newest parameters of a topic, if they are others and fit the images; log every change."""
         warn = self._logger.warning
         try:
             camera = infos.changed()

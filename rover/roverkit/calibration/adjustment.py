@@ -1,7 +1,7 @@
 """Bundle adjustment: fits the camera's parameters, the shape of the board, and its pose in each view to the corners.
 
-A view is the set of board corners found in one image. Each view has its own pose of the board; the camera and the
-shape are shared by all views. The poses are eliminated by the Schur complement before the shared parameters are solved for
+A view is the set of board corners found in one image. Each view has its own pose of the board; the camera and the shape
+are shared by all views. The poses are eliminated by the Schur complement before the shared parameters are solved for
 (Triggs et al., "Bundle adjustment - a modern synthesis", 2000). In the shapes of arrays, P is the number of shared
 parameters (fx fy cx cy, the distortion coefficients, then the shape), and N the number of corners.
 """

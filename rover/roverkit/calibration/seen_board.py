@@ -63,7 +63,9 @@ def _with_markers(grey: Image, board: CalibrationBoard) -> str:
     found = _distinct(Detector(MarkerSet(given)).scan(grey)) if given else []
     dictionary = given
     if len(found) < _FEWEST:
-        other = other_dictionary(grey, ideal_camera(GUESS * width, (width, height)), MarkerSet(given) if given else None)
+        other = other_dictionary(
+            grey, ideal_camera(GUESS * width, (width, height)), MarkerSet(given) if given else None
+        )
         if other is None or len(other[1]) < _FEWEST:
             return ""
         dictionary = other[0]
@@ -73,9 +75,13 @@ def _with_markers(grey: Image, board: CalibrationBoard) -> str:
         return f"markers of {dictionary}" if dictionary != given else ""
     columns, legacy = layout
     rows = -(-2 * (max(one.number for one in found) + 1) // columns)
-    if isinstance(board, CharucoBoard) and (dictionary, columns) == (given, board.columns):
-        if rows <= board.rows and (legacy == board.legacy or board.rows % 2):
-            return ""
+    if (
+        isinstance(board, CharucoBoard)
+        and (dictionary, columns) == (given, board.columns)
+        and rows <= board.rows
+        and (legacy == board.legacy or board.rows % 2)
+    ):
+        return ""
     options = f"--board charuco --dictionary {dictionary} --squares {columns}x{rows}{' --legacy' if legacy else ''}"
     return f"a ChArUco board with {columns} squares in a row, and at least {rows} rows; use {options}"
 
@@ -85,14 +91,16 @@ def _distinct(found: list[MarkerDetection]) -> list[MarkerDetection]:
     kept = []
     for _, same in itertools.groupby(sorted(found, key=lambda one: one.number), key=lambda one: one.number):
         detections = list(same)
-        apart = max(float(np.abs(one.corners.mean(axis=0) - detections[0].corners.mean(axis=0)).max()) for one in detections)
+        apart = max(
+            float(np.abs(one.corners.mean(axis=0) - detections[0].corners.mean(axis=0)).max()) for one in detections
+        )
         if apart < extent(detections[0].corners) / 2:
             kept.append(detections[0])
     return kept
 
 
 def _layout(found: list[MarkerDetection]) -> tuple[int, bool] | None:
-    """Return the number of columns of the ChArUco board on which markers lie as in the image, and if it is a legacy one."""
+    """Return the columns of the ChArUco board on which markers lie as in the image, and true if it is a legacy one."""
     if len(found) < _FEWEST:
         return None
     centres = np.array([one.corners.mean(axis=0) for one in found])
@@ -133,5 +141,3 @@ def _chessboard(grey: Image, board: CalibrationBoard) -> str:
     if isinstance(board, Chessboard) and {columns, rows} == {board.columns, board.rows}:
         return ""
     return f"a chessboard with {columns} x {rows} squares; use --board chessboard --squares {columns}x{rows}"
-
-

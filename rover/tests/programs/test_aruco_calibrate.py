@@ -19,11 +19,13 @@ pypdfium2 = pytest.importorskip("pypdfium2", reason=NO_PYPDFIUM2)
 from roverkit.aruco.board_options import add_board, board_of  # noqa: E402  # they need OpenCV
 from roverkit.calibration import (  # noqa: E402
     BoardDetector,
+    CalibrationBoard,
     CharucoBoard,
+    Chessboard,
 )
 from roverkit.vision.camera.parameters_file import read_parameters  # noqa: E402
 
-from rover.tests.vision.board_frames import BOARD, MATRIX, SIZE, frames  # noqa: E402
+from rover.tests.vision.board_frames import BOARD, MATRIX, SIZE, frame, frames  # noqa: E402
 
 IMAGES = 12
 
@@ -124,6 +126,24 @@ def test_too_few_views_are_refused(images: Path, tmp_path: Path, capsys: pytest.
     assert not out.exists()
     assert main(["aruco", "calibrate", str(tmp_path), "--out", str(out), "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["useless"] == {"wall.png": "no board found"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("board", "seen"),
+    [
+        (CharucoBoard(9, 6, 0.03, 0.022, "DICT_5X5_50"), "--dictionary DICT_5X5_50 --squares 9x6"),
+        (CharucoBoard(9, 6, 0.03, 0.022), "--dictionary DICT_4X4_50 --squares 9x6"),
+        (Chessboard(9, 7, 0.025), "--board chessboard --squares 9x7"),
+    ],
+)
+def test_another_board_is_named(
+    board: CalibrationBoard, seen: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With the options for it, instead of a request for more images."""
+    cv2.imwrite(str(tmp_path / "view.png"), frame((22, 10), (0.5, 0.5), 0.45, board))
+    assert main(["aruco", "calibrate", str(tmp_path), "--out", str(tmp_path / "camera.yml")]) == 1
+    assert seen in capsys.readouterr().err
 
 
 @pytest.mark.slow

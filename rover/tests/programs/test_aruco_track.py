@@ -124,10 +124,11 @@ def test_an_assumed_side_is_told_once(
 def test_new_markers_are_searched_for_as_often_as_asked(
     field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With `--scan-every 2` in every second frame."""
+    """At 30 images a second with `--scan-period 0.06` in every second one; at two a second in every one."""
     words = _of_images(field, tmp_path, np.full_like(field.film.frames[0], 128), *field.film.frames[:3])
-    views, _ = lines(capsys, [*words, "--scan-every", "2"])
-    assert [len(view["markers"]) for view in views] == [0, 0, 4, 4]
+    for rate, found in (("30", [0, 0, 4, 4]), ("2", [0, 4, 4, 4])):
+        views, _ = lines(capsys, [*words, "--scan-period", "0.06", "--rate", rate])
+        assert [len(view["markers"]) for view in views] == found
 
 
 def test_another_image_size_is_refused_or_scaled(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -30,6 +30,7 @@ from rover.bench.vision.scenes import lens
 from rover.tests.vision.ros_images import header
 from rover.tests.vision.seen import FACING, camera_on_field, detection, view, wall
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces import Time, geometry_msgs, tf2_msgs, vision_msgs
@@ -176,6 +177,19 @@ def test_markers_that_share_a_number_are_in_the_detections_alone(node: MemoryMid
         for one in detections[0].detections
     ]
     assert found == [("", "7", -0.5), ("", "7", 0.5), ("aruco_9", "9", 0)]
+
+
+def test_a_message_that_ros_2_lacks_is_left_out(node: MemoryMiddleware, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With rclpy and a package of messages that is not built, tracking goes on without the position, and says so."""
+    said: list[str] = []
+
+    def missing(*_: object) -> NoReturn:
+        raise MiddlewareError("comms/msg/BasestationRoverLocalization is not installed")
+
+    monkeypatch.setattr(node, "publisher", missing)
+    monkeypatch.setattr(node, "subscribe", missing)
+    position_publisher(node, REGISTRY, _topic, said.append)(_POSITION)
+    assert any(f"cannot publish on /{_ROUTE.topic}: comms/msg" in text for text in said)
 
 
 _DETECTIONS = vision_msgs.Detection3DArray

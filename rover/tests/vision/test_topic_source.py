@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import cv2
@@ -160,17 +160,24 @@ def test_a_topic_of_another_type_is_refused(read: _Reader, ros: MemoryMiddleware
 
 
 def test_the_parameters_come_from_the_topic_beside_the_images(source: TopicSource, ros: MemoryMiddleware) -> None:
-    """For a camera that is not calibrated, the error names the topic, and what to do."""
+    """A change is noticed once. For a camera that is not calibrated, the error names the topic, and what to do."""
     topic = source.camera_info_topic
     camera = Camera(ros, "/camera/camera_info", CameraInfo)
-    for message in (camera_info(_CAMERA), CameraInfo(width=6, height=4)):
-        reader = _Reader(source.read_camera(topic) for _ in range(1))
-        _publish_until(camera, lambda reader=reader: reader.taken or reader.error, message)
+    with source.camera_infos(topic) as infos:
+        reader = _Reader(infos.first() for _ in range(1))
+        _publish_until(camera, lambda: reader.taken, camera_info(_CAMERA))
         reader.join()
-        if message.k[0]:
-            assert reader.taken[0].matrix.tolist() == _CAMERA.matrix.tolist()
-        else:
-            assert re.match(rf".*{topic}: the camera is not calibrated: K .*--parameters", str(reader.error))
+        assert reader.taken[0].matrix.tolist() == _CAMERA.matrix.tolist()
+        camera.publish(camera_info(_CAMERA, stamp=2))
+        assert infos.changed() is None
+        zoomed = replace(_CAMERA, matrix=_CAMERA.matrix * np.array([[2], [2], [1]]))
+        camera.publish(camera_info(zoomed, stamp=3))
+        found = infos.changed()
+        assert found
+        assert (found.matrix.tolist(), infos.changed()) == (zoomed.matrix.tolist(), None)
+        camera.publish(CameraInfo(width=6, height=4))
+        with pytest.raises(SetupError, match=rf"{topic}: the camera is not calibrated: K .*--parameters"):
+            infos.changed()
 
 
 _TOPICS = (_TOPIC, "/camera/depth", "/camera/camera_info")

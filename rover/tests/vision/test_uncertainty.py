@@ -67,7 +67,7 @@ def test_every_uncertainty_enlarges_the_covariance(change: Mapping[str, float]) 
 
 @pytest.mark.slow
 def test_motion_during_the_readout_is_corrected() -> None:
-    """From the second frame on, a known readout time makes poses three times better, and the covariance knows its part."""
+    """From the second frame on, a known readout time makes poses three times better, and the covariance is honest."""
     moving = next(one for one in DEGRADATIONS if one.speed)
     still, corrected = (Ours(camera_of(lens()), Uncertainty(readout_time=seconds)) for seconds in (0, READOUT_S))
     before, after = [], []

@@ -12,8 +12,8 @@ from roverkit.vision.markers.marker_set import MarkerSet, dictionaries
 def other_dictionary(image: Image, camera: CameraParameters, chosen: MarkerSet | None) -> tuple[str, list[int]] | None:
     """Return the dictionary with the most markers in an image, (H, W) or (H, W, 3), and the numbers of these markers.
 
-    Markers of the chosen dictionary do not count, if there is one. Of several dictionaries that contain the others, it is the smallest
-    one. The result is None if no dictionary matches. This takes some tenths of a second.
+    Markers of the chosen dictionary do not count, if there is one. Of several dictionaries that contain the others, it
+    is the smallest one. The result is None if no dictionary matches. This takes a second or two.
     """
     grey = to_grey(image)
     found = {name: _numbers(grey, camera, MarkerSet(name), chosen) for name in _families().values()}

@@ -74,8 +74,8 @@ FIRST_BLUR = 0.85
 """Standard deviation in pixels of a focused lens's blur, including the area of a pixel."""
 BLURS = (0.4, 4.0)
 """Smallest and largest standard deviation of the blur in pixels, along any direction."""
-# 8 of the homography, 3 of the blur, and 13 of the light: black and contrast, each a polynomial of u and v with 6 terms,
-# and the growth of white areas. The offsets of inner lines follow.
+# 8 of the homography, 3 of the blur, and 13 of the light: black and contrast, each a polynomial of u and v with 6
+# terms, and the growth of white areas. The offsets of inner lines follow.
 _TERMS = 6
 _GEOMETRY, _LIGHT = 11, 2 * _TERMS + 1
 _UNKNOWNS = _GEOMETRY + _LIGHT
@@ -270,9 +270,9 @@ def _rigidity(outcome: _Outcome, lines: Floats) -> Floats:
     """Return the precision (K,) with which inner lines are where they should be, relative to that of a pixel.
 
     `outcome` is a step from the offsets `lines` (K, 2, n - 2). It is linear in the unknowns, so the offsets that the
-    lines would have if nothing held them can be computed from it. Prints that were rastered have misplaced inner lines, and so
-    has bent paper; the outer edges are then the only ones that determine the marker. The variance of the offsets is
-    estimated with the method of DerSimonian and Laird (1986).
+    lines would have if nothing held them can be computed from it. Prints that were rastered have misplaced inner
+    lines, and so has bent paper; the outer edges are then the only ones that determine the marker. The variance of the
+    offsets is estimated with the method of DerSimonian and Laird (1986).
     """
     normal = outcome.normal.copy()
     free = np.arange(_UNKNOWNS, normal.shape[1])

@@ -44,7 +44,7 @@ class SquareReader:
         self._inside = inside.ravel()
 
     def read(self, image: NDArray[np.uint8], squares: Sequence[Floats]) -> list[tuple[int, Floats]]:
-        """Return the numbers of the markers in squares of a grey image (H, W), and their corners (4, 2) in OpenCV's order.
+        """Return the markers in squares of a grey image (H, W): their numbers, and their corners in OpenCV's order.
 
         The corners (4, 2) of a square are in pixels, clockwise from any of them.
         """
