@@ -1,13 +1,11 @@
 """Tracking of detected objects from frame to frame, so that an object keeps its number.
 
 The method is that of ByteTrack (Zhang et al., ECCV 2022): a Kalman filter predicts each box, and the assignment with
-the smallest total distance joins boxes and predictions, first for certain detections and then for uncertain ones. Only
-a certain detection begins a track. In addition, the motion that most boxes have in common is taken for that of the
-camera.
+the largest total overlap joins boxes and predictions, first for certain detections and then for uncertain ones. Only
+a certain detection begins a track. A certain detection that joins no prediction may join the last box of a track: when
+the camera jerks, predictions are wrong.
 
-Libraries for this were tried in 2026. Norfair needs a numpy before 2, and `trackers` installs a second OpenCV. When two
-objects crossed with gaps, they confused them in 13 and 5 of 200 runs, and this module in none; when the camera shook by
-100 pixels, they gave five objects 146 and 15 numbers.
+PLACEHOLDER
 """
 
 from __future__ import annotations
@@ -15,12 +13,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from roverkit.objects.detected_objects import Box, ObjectDetection, TrackedObject
 from roverkit.objects.frame_period import FramePeriod
+from roverkit.objects.metrics import overlap
 from roverkit.vision.camera.camera_model import Floats
 from roverlink.runtime.core.errors import SetupError
 
@@ -31,21 +30,21 @@ except ImportError as error:
         f"the tracking of objects needs SciPy ({error}); install it with `pip install 'scipy>=1.11'`"
     ) from error
 
-CERTAIN = 0.5
-"""Confidence from which a detection can begin a track."""
+CERTAIN = 0.7
+"""Default of the confidence from which a detection can begin a track."""
 CONFIRMED = 2
 """Number of detections after which a track counts as an object; a single one may be an error of the detector."""
 FORGOTTEN_NS = 1_000_000_000
 """Time in nanoseconds after which an object that was not seen is forgotten."""
 FORGOTTEN_PERIODS = 3
 """The same in periods of the images, for a detector that is slower than that."""
-_GATE = 0.7
-"""Distance of a box from its prediction, in its sizes, above which it is another object."""
-_IN_COMMON = 3
-"""Least number of objects whose common motion is that of the camera."""
+_OVERLAP = 0.1
+"""Least intersection over union of a certain detection and its prediction."""
+_UNCERTAIN_OVERLAP = 0.5
+"""The same for an uncertain detection, which may be an error of the detector beside the object."""
 _JITTER = 0.05
 """Standard deviation of a detected box's centre and size, as a fraction of its size."""
-_ACCELERATION = 2.0
+_ACCELERATION = 4.0
 """Standard deviation of a box's acceleration in its sizes per second squared."""
 _SPEED = 2.0
 """Standard deviation of a new box's speed in its sizes per second."""
@@ -63,6 +62,7 @@ class _Track:
         self.id, self.stamp, self.seen = id, stamp, 1
         self.confidence = detection.confidence
         self.classes: dict[str, float] = defaultdict(float, {detection.class_name: detection.confidence})
+        self._last = detection.box
         self._at = stamp
         self._state = np.vstack([_measured(detection.box), np.zeros(4)])
         size = _size(detection.box)
@@ -73,11 +73,14 @@ class _Track:
         """Class with the largest sum of confidences."""
         return max(self.classes, key=self.classes.__getitem__)
 
-    @property
-    def box(self) -> Floats:
-        """Predicted box (4,): centre x y, width, height."""
-        box: Floats = self._state[0]
-        return box
+    def last(self) -> Box:
+        """Return the box as it was detected last."""
+        return self._last
+
+    def predicted(self) -> Box:
+        """Return the predicted box."""
+        x, y, width, height = self._state[0].tolist()
+        return Box(x - width / 2, y - height / 2, width, height)
 
     def predict(self, stamp: int) -> None:
         """Move the state to a time in nanoseconds."""
@@ -86,10 +89,6 @@ class _Track:
         acceleration = _ACCELERATION * float(self._state[0, 2:].mean())
         self._state = step @ self._state
         self._covariance = step @ self._covariance @ step.T + acceleration**2 * np.outer(push, push)
-
-    def shift(self, pixels: Floats) -> None:
-        """Move the predicted centre by pixels (2,)."""
-        self._state[0, :2] += pixels
 
     def update(self, detection: ObjectDetection, stamp: int) -> None:
         """Correct the state by a detection."""
@@ -100,14 +99,18 @@ class _Track:
         weight = 1 - math.exp(-(stamp - self.stamp) / 1e9 / _SMOOTHING_S)
         self.confidence += weight * (detection.confidence - self.confidence)
         self.classes[detection.class_name] += detection.confidence
-        self.seen, self.stamp = self.seen + 1, stamp
+        self.seen, self.stamp, self._last = self.seen + 1, stamp, detection.box
 
 
 class ObjectTracker:
     """Gives the objects in the frames of one camera their numbers. Not thread-safe."""
 
-    def __init__(self, first: int = 1) -> None:
-        """Track nothing yet; `first` is the number of the first object."""
+    def __init__(self, first: int = 1, certain: float = CERTAIN) -> None:
+        """Track nothing yet; `first` is the number of the first object.
+
+        A detection with the confidence `certain` can begin a track.
+        """
+        self._certain = certain
         self._tracks: list[_Track] = []
         self._ids = itertools.count(first)
         self._stamp: int | None = None
@@ -127,10 +130,10 @@ class ObjectTracker:
         for track in self._tracks:
             track.predict(stamp)
         found: list[tuple[_Track, ObjectDetection]] = []
-        certain, uncertain = _parted(detections)
-        self._follow_camera(certain)
-        left, news = _joined(self._tracks, certain, stamp, found)
-        _joined(left, uncertain, stamp, found)
+        certain, uncertain = self._parted(detections)
+        left, news = _joined(self._tracks, certain, stamp, found, _Track.predicted, _OVERLAP)
+        left, news = _joined(left, news, stamp, found, _Track.last, _OVERLAP)  # the camera may have jerked
+        _joined(left, uncertain, stamp, found, _Track.predicted, _UNCERTAIN_OVERLAP)
         for detection in news:
             track = _Track(next(self._ids), detection, stamp)
             self._tracks.append(track)
@@ -140,21 +143,12 @@ class ObjectTracker:
             if track.seen >= CONFIRMED
         ]
 
-    def _follow_camera(self, detections: Sequence[ObjectDetection]) -> None:
-        """Shift all predictions by the motion that most objects have in common: that of the camera."""
-        pairs = _pairs(self._tracks, detections)
-        if len(pairs) >= _IN_COMMON:
-            shift = np.median([(_measured(detection.box) - track.box)[:2] for track, detection in pairs], axis=0)
-            for track in self._tracks:
-                track.shift(shift)
-
-
-def _parted(detections: Iterable[ObjectDetection]) -> tuple[list[ObjectDetection], list[ObjectDetection]]:
-    certain: list[ObjectDetection] = []
-    uncertain: list[ObjectDetection] = []
-    for detection in detections:
-        (certain if detection.confidence >= CERTAIN else uncertain).append(detection)
-    return certain, uncertain
+    def _parted(self, detections: Iterable[ObjectDetection]) -> tuple[list[ObjectDetection], list[ObjectDetection]]:
+        certain: list[ObjectDetection] = []
+        uncertain: list[ObjectDetection] = []
+        for detection in detections:
+            (certain if detection.confidence >= self._certain else uncertain).append(detection)
+        return certain, uncertain
 
 
 def _joined(
@@ -162,9 +156,11 @@ def _joined(
     detections: Sequence[ObjectDetection],
     stamp: int,
     found: list[tuple[_Track, ObjectDetection]],
+    box: Callable[[_Track], Box],
+    least: float,
 ) -> tuple[list[_Track], list[ObjectDetection]]:
-    """Join tracks and detections, and return those that are left over; `found` gets the pairs."""
-    pairs = _pairs(tracks, detections)
+    """Join tracks and detections that overlap, and return those that are left over; `found` gets the pairs."""
+    pairs = _pairs(tracks, detections, box, least)
     for track, detection in pairs:
         track.update(detection, stamp)
     found += pairs
@@ -174,17 +170,17 @@ def _joined(
     ]
 
 
-def _pairs(tracks: Sequence[_Track], detections: Sequence[ObjectDetection]) -> list[tuple[_Track, ObjectDetection]]:
-    """Return the pairs of tracks and detections with the smallest total distance."""
+def _pairs(
+    tracks: Sequence[_Track], detections: Sequence[ObjectDetection], box: Callable[[_Track], Box], least: float
+) -> list[tuple[_Track, ObjectDetection]]:
+    """Return the pairs of tracks and detections with the largest total overlap, each of at least `least`."""
     if not tracks or not detections:
         return []
-    seen = np.array([_measured(detection.box) for detection in detections])
-    predicted = np.array([track.box for track in tracks])
-    # In sizes of the detected box.
-    distances = np.linalg.norm(seen - predicted[:, None], axis=2) / np.sqrt(seen[:, 2] * seen[:, 3])
-    # A pair beyond the gate costs as much as two objects without a partner.
-    rows, columns = linear_sum_assignment(np.minimum(distances, _GATE))
-    return [(tracks[row], detections[column]) for row, column in zip(rows, columns) if distances[row, column] < _GATE]
+    expected = [box(track) for track in tracks]
+    overlaps = np.array([[overlap(one, detection.box) for detection in detections] for one in expected])
+    # A pair below the gate is worth as much as two objects without a partner.
+    rows, columns = linear_sum_assignment(np.where(overlaps >= least, overlaps, 0), maximize=True)
+    return [(tracks[row], detections[column]) for row, column in zip(rows, columns) if overlaps[row, column] >= least]
 
 
 def _measured(box: Box) -> Floats:

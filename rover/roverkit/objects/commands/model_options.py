@@ -34,11 +34,12 @@ def add_score(parser: argparse.ArgumentParser) -> None:
     """Add the option ``--score`` to a parser."""
     parser.add_argument(
         "--score",
-        type=_share,
+        type=share,
         metavar="S",
         help="ignore detections with a smaller confidence than this, from 0 to 1 (default: that of the detector)",
     )
 
 
-def _share(text: str) -> float:
+def share(text: str) -> float:
+    """Parse the value of an option that is a number from 0 to 1."""
     return parsed_number(text, float, lambda number: 0 <= number <= 1, "a number from 0 to 1, such as 0.4")

@@ -18,7 +18,7 @@ import argparse
 from roverkit.node.camera_outputs import add_outputs, middleware_of
 from roverkit.node.camera_source import add_playing, add_source
 from roverkit.node.program import node_arguments
-from roverkit.objects.commands.model_options import add_model, add_score
+from roverkit.objects.commands.model_options import add_model, add_score, share
 from roverkit.objects.object_declarations import TRACKER
 from roverlink.console import Subparsers, add_project, documented_command
 
@@ -41,6 +41,13 @@ def add(commands: Subparsers) -> None:
     )
     add_model(parser)
     add_score(parser)
+    parser.add_argument(
+        "--certain",
+        type=share,
+        default=0.7,
+        metavar="S",
+        help="confidence from which a detection is the first of an object (default: %(default)g)",
+    )
     add_outputs(parser, "objects")
     add_project(parser)
     parser.set_defaults(run=run, runs_until_stopped=True, takes_ros_args=True)
