@@ -20,6 +20,8 @@ FALSE_ALARM = 1e-3
 """Probability with which a gate refuses a right input."""
 _CHANCE = 1e-9
 """Probability of refused inputs in a row from which chance does not explain them: that of three of them."""
+_HALF_LIMIT = 700.0
+"""Half of chi squared from which its tail is 0 as a number."""
 PATIENCE_NS = 10_000_000_000
 """Time in nanoseconds without a result after which the reason is said."""
 
@@ -30,6 +32,8 @@ def chi_squared_tail(squared: float, freedom: int) -> float:
     Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 26.4.4 to 26.4.8.
     """
     half = squared / 2
+    if not half < _HALF_LIMIT:  # also an overflow, and what is no number
+        return 0.0
     tail, term = (math.erfc(math.sqrt(half)), 0.5) if freedom % 2 else (math.exp(-half), 1.0)
     while term < freedom / 2:
         tail += math.exp(-half) * half**term / math.gamma(term + 1)

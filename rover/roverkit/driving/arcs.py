@@ -12,6 +12,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+FARTHEST_M = 2.01e7
+"""Distance in metres that no two positions on Earth exceed. Sums and products of larger numbers may overflow."""
+
 
 @dataclass(frozen=True, slots=True)
 class PlanarPose:
@@ -35,6 +38,11 @@ class PlanarPose:
         """Return the pose of the outer frame in this frame."""
         cosine, sine = math.cos(self.yaw), math.sin(self.yaw)
         return PlanarPose(-cosine * self.x - sine * self.y, sine * self.x - cosine * self.y, -self.yaw)
+
+    @property
+    def is_on_earth(self) -> bool:
+        """True if the pose has finite numbers, and a position that can be one on Earth."""
+        return abs(self.x) <= FARTHEST_M and abs(self.y) <= FARTHEST_M and math.isfinite(self.yaw)
 
     def distance_to(self, other: PlanarPose) -> float:
         """Return the distance in metres between two positions."""

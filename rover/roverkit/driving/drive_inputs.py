@@ -84,10 +84,11 @@ def pose_of(data: bytes, now: int, longest: float, base_frame: str) -> ReceivedP
     half, cross = (covariance[0] - covariance[7]) / 2, covariance[1]
     variance = (covariance[0] + covariance[7]) / 2 + math.hypot(half, cross)
     speed, of_speed = message.twist.twist.linear.x, message.twist.covariance[0]
-    if not all(math.isfinite(value) for value in (place.position.x, place.position.y, yaw, variance, speed, of_speed)):
-        raise ConversionError("it has a value that is not a number")
+    pose = PlanarPose(place.position.x, place.position.y, yaw)
+    if not pose.is_on_earth or not all(map(math.isfinite, (variance, speed, of_speed))):
+        raise ConversionError("it has a value that is not a number, or not on Earth")
     return ReceivedPose(
-        PlanarPose(place.position.x, place.position.y, yaw),
+        pose,
         message.header.frame_id,
         now - stamp,
         math.sqrt(max(variance, 0.0)),

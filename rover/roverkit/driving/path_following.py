@@ -43,11 +43,11 @@ class PathFollower:
     """Way of a rover along one path. The rover never goes back to a part of the path that it has passed."""
 
     def __init__(self, points: Sequence[Point]) -> None:
-        """Begin at the first point. Raises `ValueError` for no point, or for a position that is not finite."""
+        """Begin at the first point. Raises `ValueError` for no point, or for a position that cannot be one on Earth."""
         if not points:
             raise ValueError("the path is empty")
-        if not all(math.isfinite(value) for point in points for value in point):
-            raise ValueError("the path has a position that is not a number")
+        if not all(PlanarPose(*point).is_on_earth for point in points):
+            raise ValueError("the path has a position that is not a number, or not on Earth")
         self._points, self._lengths = [points[0]], [0.0]
         for point in points[1:]:
             length = self._lengths[-1] + math.dist(self._points[-1], point)

@@ -24,13 +24,13 @@ def motion_factor(start: int, end: int, motion: SlippingMotion) -> Any:
 
     def error(_: Any, values: Any, derivatives: Any) -> Floats:
         before, after = values.atVector(start), values.atVector(end)
-        missed, by_before = _missed(expected, gtsam.Pose2(*before[_POSE]), gtsam.Pose2(*after[_POSE]))
+        missed, by_before, by_after = _missed(expected, gtsam.Pose2(*before[_POSE]), gtsam.Pose2(*after[_POSE]))
         if derivatives is not None:
             by_start, by_end = np.zeros((STATES, STATES)), np.eye(STATES)
             by_start[_POSE, _POSE] = by_before @ rotation(before[2]).T
             by_start[_POSE, _SLIP] = -motion.by_slip
             by_start[_SLIP, _SLIP] = -motion.kept * np.eye(2)
-            by_end[_POSE, _POSE] = rotation(after[2]).T
+            by_end[_POSE, _POSE] = by_after @ rotation(after[2]).T
             derivatives[0], derivatives[1] = by_start, by_end
         return np.concatenate([missed - motion.by_slip @ before[_SLIP], after[_SLIP] - motion.kept * before[_SLIP]])
 
@@ -43,11 +43,11 @@ def detection_factor(key: int, landmark: int, place: PlanarPose, noise: Any) -> 
 
     def error(_: Any, values: Any, derivatives: Any) -> Floats:
         state = values.atVector(key)
-        missed, by_rover = _missed(expected, gtsam.Pose2(*state[_POSE]), values.atPose2(landmark))
+        missed, by_rover, by_landmark = _missed(expected, gtsam.Pose2(*state[_POSE]), values.atPose2(landmark))
         if derivatives is not None:
             by_state = np.zeros((3, STATES))
             by_state[:, _POSE] = by_rover @ rotation(state[2]).T
-            derivatives[0], derivatives[1] = by_state, np.eye(3)
+            derivatives[0], derivatives[1] = by_state, by_landmark
         return missed
 
     return gtsam.CustomFactor(noise, [key, landmark], error)
@@ -71,7 +71,12 @@ def pose2(pose: PlanarPose) -> Any:
     return gtsam.Pose2(pose.x, pose.y, pose.yaw)
 
 
-def _missed(expected: Any, pose: Any, other: Any) -> tuple[Floats, Floats]:
-    """Return the error (3,) of the pose of ``other`` in the frame of ``one``, and its derivative (3, 3) by ``one``."""
+def _missed(expected: Any, pose: Any, other: Any) -> tuple[Floats, Floats, Floats]:
+    """Return the error (3,) of the pose of ``other`` in the frame of ``pose``, and its derivatives (3, 3) by both.
+
+    The derivatives hold for any error, also for that of a direction that nobody has measured.
+    """
     apart = pose.between(other)
-    return expected.localCoordinates(apart), -apart.inverse().AdjointMap()
+    error = expected.between(apart)
+    turned = rotation(error.theta())
+    return np.array([error.x(), error.y(), error.theta()]), -turned @ apart.inverse().AdjointMap(), turned

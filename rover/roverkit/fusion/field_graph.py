@@ -11,8 +11,9 @@ other sightings are left out.
 
 The slip of the wheels is a part of each pose's variable, because it goes on from one motion to the next one.
 
-The images that are used are some distance apart. The errors of images from one place are the same, so these images tell
-nothing new. The graph grows with the distance that the rover drives, by up to 5 poses a metre.
+The sightings of one landmark that are used are some distance apart. The errors of sightings from one place are the
+same, so they tell nothing new. The graph grows with the distance that the rover drives, by up to 5 poses a metre for
+each landmark that is seen alone.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ from roverkit.gating import Reasons, gate_limit
 
 _APART_M = 0.25
 _APART_RAD = 0.15
-"""Least distance and angle between two images that show the same landmarks."""
+"""Least distance and angle between two sightings of a landmark."""
 _GPS_APART_M = 1.0
 """Least distance between two GPS positions: the errors of successive ones are nearly the same."""
 _SEVERAL = 3
@@ -77,6 +78,7 @@ class FieldGraph(Generic[T]):
         self._misfits: Counter[T] = Counter()
         self._last: OdometryPoint | None = None
         self._last_seen: frozenset[T] = frozenset()
+        self._used: dict[T, OdometryPoint] = {}
         self._last_gps: OdometryPoint | None = None
         self._poses = 0
 
@@ -125,9 +127,10 @@ class FieldGraph(Generic[T]):
 
         Does nothing if the image is older than the last one, shows nothing new, or shows no surveyed landmark.
         """
-        detections = {landmark: place for landmark, place in detections.items() if landmark in self._surveyed}
-        if not detections or not self._is_new(point, detections):
+        detections = {landmark: place for landmark, place in detections.items() if self._is_new(landmark, point)}
+        if not detections:
             return
+        self._used.update(dict.fromkeys(detections, point))
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         if self._last is None:
             # The landmark that is seen best is believed until others contradict.
@@ -247,17 +250,14 @@ class FieldGraph(Generic[T]):
         self._last_gps = point
         self._solve(factors, values)
 
-    def _is_new(self, point: OdometryPoint, detections: Mapping[T, PlanarGaussian]) -> bool:
-        if self._last is None:
-            return True
-        if point.stamp <= self._last.stamp:
+    def _is_new(self, landmark: T, point: OdometryPoint) -> bool:
+        """Return true if a sighting of a landmark at a point of the odometry tells something new."""
+        if landmark not in self._surveyed or (self._last is not None and point.stamp <= self._last.stamp):
             return False
-        turn = math.remainder(point.pose.yaw - self._last.pose.yaw, 2 * math.pi)
-        return (
-            not detections.keys() <= self._last_seen
-            or point.pose.distance_to(self._last.pose) >= _APART_M
-            or abs(turn) >= _APART_RAD
-        )
+        if (used := self._used.get(landmark)) is None:
+            return True
+        turn = math.remainder(point.pose.yaw - used.pose.yaw, 2 * math.pi)
+        return point.pose.distance_to(used.pose) >= _APART_M or abs(turn) >= _APART_RAD
 
     def _follow(self, point: OdometryPoint, factors: Any) -> Floats:
         """Add the motion since the last pose to the factors, and return the state that follows from it."""

@@ -106,6 +106,7 @@ class Fusion:
     def _start(self) -> None:
         self._track = OdometryTrack()
         self._begin()
+        self._covariance: list[float] = []
         self._without_covariance: UnknownCovariance | None = None
         self._waiting: list[tuple[int, Callable[[OdometryPoint], None]]] = []
 
@@ -186,14 +187,24 @@ class Fusion:
         return age < -_SKEW_NS
 
     def _point_of(self, message: Odometry) -> OdometryPoint:
-        """Return the odometry of a message; see `point_of`. A covariance of zeros is unknown by ROS 2's convention."""
+        """Return the odometry of a message; see `point_of`.
+
+        A covariance of zeros is unknown by ROS 2's convention. One that does not grow on the way is a constant of its
+        program, and says nothing about the motion.
+        """
         point = point_of(message)
-        if any(message.pose.covariance):
+        before, self._covariance = self._covariance, list(message.pose.covariance)
+        newest = self._track.newest or point
+        stands = newest.pose == point.pose and self._without_covariance is None
+        if any(self._covariance) and (self._covariance != before or stands):
             self._without_covariance = None
             return point
-        self.reasons.note("odometry without covariance", "that of wheel odometry without an IMU is taken")
+        self.reasons.note(
+            "odometry without covariance, or with one that never grows",
+            "that of wheel odometry without an IMU is taken",
+        )
         if self._without_covariance is None:
-            self._without_covariance = UnknownCovariance(point.pose)
+            self._without_covariance = UnknownCovariance(newest.pose)
         return replace(point, covariance=self._without_covariance.at(point.pose))
 
     def _wait(self, stamp: int, use: Callable[[OdometryPoint], None]) -> None:
@@ -265,7 +276,7 @@ def _on_field(fix: sensor_msgs.NavSatFix, latitude: float, longitude: float, hea
     counterclockwise from the east. Raises `ConversionError` for values that are no numbers, and without a covariance.
     """
     covariance = np.reshape(fix.position_covariance, (3, 3))[:2, :2]
-    if not (math.isfinite(fix.latitude) and math.isfinite(fix.longitude) and is_covariance(covariance)):
+    if not (abs(fix.latitude) <= 90 and math.isfinite(fix.longitude) and is_covariance(covariance)):
         raise ConversionError("it has no position or no covariance")
     cosine, sine = math.cos(heading), math.sin(heading)
     to_field = np.array([[cosine, sine], [-sine, cosine]])

@@ -9,8 +9,8 @@ from operator import attrgetter
 
 import numpy as np
 
-from roverkit.driving.arcs import PlanarPose
-from roverkit.fusion.planar_gaussian import Floats, rotation
+from roverkit.driving.arcs import FARTHEST_M, PlanarPose
+from roverkit.fusion.planar_gaussian import Floats, is_bounded, rotation
 from roverkit.fusion.slipping_motion import SlippingMotion, slipping_motion
 from roverkit.odometry.dead_reckoning import OdometryNoise
 from roverkit.odometry.odometry_messages import UNKNOWN_VARIANCE
@@ -22,10 +22,12 @@ from roverlink.runtime.ros_time.headers import stamp_of
 
 PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
 """Rows and columns of x, y and yaw in a covariance of a message."""
+_SLOWEST = 1e-3
+"""Speed in m/s below which a rover stands, and no part of the speed is slip."""
 KEPT_NS = 10_000_000_000
 """Time in nanoseconds for which odometry is kept."""
 _FASTEST = 5.0
-"""Speed in m/s, and angular velocity in rad/s, that no rover reaches."""
+"""Speed in m/s beyond that of the message, and angular velocity in rad/s, that no rover reaches."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +50,8 @@ class OdometryPoint:
     """Variance of the relative error of the speed; not a number if it is not known."""
     slipped: float = 0.0
     """Variance of the distance since the track began, in m^2; the track sets it."""
+    speed: float = 0.0
+    """Speed in m/s, negative backwards."""
 
     def motion_to(self, later: OdometryPoint) -> SlippingMotion:
         """Return the motion from this point to a later one of the same track.
@@ -143,9 +147,10 @@ class OdometryTrack:
 
 def _is_jump(before: OdometryPoint, after: OdometryPoint) -> bool:
     """Return true if the rover cannot have moved from one pose to the other: the odometry was started again."""
-    farthest = _FASTEST * (after.stamp - before.stamp) / 1e9
+    seconds = (after.stamp - before.stamp) / 1e9
     turn = math.remainder(after.pose.yaw - before.pose.yaw, 2 * math.pi)
-    return before.pose.distance_to(after.pose) > farthest or abs(turn) > farthest
+    farthest = (_FASTEST + max(abs(before.speed), abs(after.speed))) * seconds
+    return before.pose.distance_to(after.pose) > farthest or abs(turn) > _FASTEST * seconds
 
 
 class UnknownCovariance:
@@ -177,9 +182,9 @@ def point_of(message: Odometry) -> OdometryPoint:
     covariance = np.reshape(message.pose.covariance, (6, 6))[PLANAR]
     turning = message.twist.covariance[-1] or UNKNOWN_VARIANCE
     pose = PlanarPose(place.position.x, place.position.y, angles(place.orientation)[2])
-    numbers = [pose.x, pose.y, pose.yaw, *covariance.ravel().tolist(), turning]
-    if not all(map(math.isfinite, numbers)) or turning < 0 or not stamp_of(message.header):
-        raise ConversionError("it has no stamp, or a value that is not a number")
+    if not (pose.is_on_earth and is_bounded(covariance) and 0 <= turning < math.inf and stamp_of(message.header)):
+        raise ConversionError("it has no stamp, or a value that is not a number, or not on Earth")
     speed, of_speed = message.twist.twist.linear.x, message.twist.covariance[0] - SPEED_DEVIATION**2
-    slip = of_speed / speed**2 if speed and of_speed > 0 else math.nan
-    return OdometryPoint(stamp_of(message.header), pose, covariance, turning, slip=slip)
+    speed = speed if abs(speed) < FARTHEST_M else 0.0
+    slip = of_speed / speed**2 if abs(speed) > _SLOWEST and 0 < of_speed < math.inf else math.nan
+    return OdometryPoint(stamp_of(message.header), pose, covariance, turning, slip=slip, speed=speed)

@@ -6,13 +6,13 @@ error e of a pose T is that the true pose is T exp(e), as in GTSAM.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roverkit.driving.arcs import PlanarPose
-from roverkit.fusion.gtsam_library import gtsam
+from roverkit.driving.arcs import FARTHEST_M, PlanarPose
 
 Floats = NDArray[np.float64]
 
@@ -55,19 +55,26 @@ def rotation(yaw: float) -> Floats:
     return np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
 
 
+def is_bounded(matrix: Floats) -> bool:
+    """Return true if a matrix has only numbers that can be variances of positions on Earth; they do not overflow."""
+    return bool((np.abs(matrix) <= FARTHEST_M**2).all())
+
+
 def is_covariance(matrix: Floats) -> bool:
-    """Return true if a symmetric matrix is finite and positive definite, so that no error is impossible."""
-    return bool(np.isfinite(matrix).all()) and bool((np.linalg.eigvalsh(matrix) > 0).all())
+    """Return true if a symmetric matrix is bounded and positive definite, so that no error is impossible."""
+    return is_bounded(matrix) and bool((np.linalg.eigvalsh(matrix) > 0).all())
 
 
 def squared_distance(one: PlanarGaussian, other: PlanarGaussian) -> float:
     """Return the squared difference of two poses over the sum of their covariances.
 
-    It is chi squared with 3 degrees of freedom if both are estimates of the same pose, with independent errors.
+    It is chi squared with 3 degrees of freedom if both are estimates of the same pose, with independent errors. The
+    directions may differ by any angle, if one of them is not known.
     """
     apart = one.pose.inverse() @ other.pose
-    missed = gtsam.Pose2.Logmap(gtsam.Pose2(apart.x, apart.y, apart.yaw))
-    return float(missed @ np.linalg.solve(one.covariance + other.covariance, missed))
+    turned = rotation(apart.yaw)
+    missed = np.array([apart.x, apart.y, math.remainder(apart.yaw, 2 * math.pi)])
+    return float(missed @ np.linalg.solve(one.covariance + turned @ other.covariance @ turned.T, missed))
 
 
 def squared_way(one: PlanarGaussian, other: PlanarGaussian) -> float:

@@ -65,8 +65,8 @@ def planar_detections(
         covariance = (turned @ np.reshape(seen.covariance, (6, 6)) @ turned.T)[_PLANAR]
         own = rotation(yaw).T @ covariance @ rotation(yaw)
         x, y, _ = place.translation.tolist()
-        if is_covariance(own) and math.isfinite(x + y + yaw):
-            detections[name] = PlanarGaussian(PlanarPose(x, y, yaw), own)
+        if is_covariance(own) and (pose := PlanarPose(x, y, yaw)).is_on_earth:
+            detections[name] = PlanarGaussian(pose, own)
         else:
             leave_out(f"sighting of landmark {name} left out: it has no pose or no covariance")
     return detections

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from roverkit.driving.arcs import FARTHEST_M
 from roverkit.driving.board_commands import NUMBER, BoardCommand
 from roverkit.odometry.odometry_declaration import COMMAND, DIAGNOSTICS, ODOMETER, PROGRESS, WHEELS
 from roverlink.nodes import Topic
@@ -14,6 +15,8 @@ from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.messages import fields_of
 
 _LEFT = PROGRESS.fields[0]
+_FASTEST_RPM = 1e6
+"""Speed that no motor reaches, also in units of another scale."""
 
 
 class BoardReport(NamedTuple):
@@ -51,12 +54,12 @@ class OdometryRows:
     def report(self, data: bytes) -> BoardReport:
         """Return a serialized report.
 
-        Raises `ConversionError` if it is damaged, or if a distance is no finite number.
+        Raises `ConversionError` if it is damaged, or if a distance is no number, or none on Earth.
         """
         message = cdr.decode(self.progress.message_type, data)
         odometer = getattr(message, ODOMETER, None)
         for name, value in ((_LEFT, getattr(message, _LEFT)), (ODOMETER, odometer or 0.0)):
-            if not math.isfinite(value):
+            if not abs(value) <= FARTHEST_M:
                 raise ConversionError(f"{name} is {value}")
         return BoardReport(getattr(message, _LEFT), odometer, getattr(message, NUMBER, None))
 
@@ -64,9 +67,9 @@ class OdometryRows:
         """Return the mean speed of the wheels' motors, each without its sign, in revolutions per minute.
 
         Without the sign, because motors on the right may turn the other way round. Motors that report an error are left
-        out; None if all do. Raises `ConversionError` if the message is damaged.
+        out, and speeds of no motor; None if all are. Raises `ConversionError` if the message is damaged.
         """
         message = cdr.decode(self.diagnostics.message_type, data)
         motors = [getattr(message, name) for name in WHEELS]
-        speeds = [abs(motor.rpm) for motor in motors if motor.state != motor.ERROR and math.isfinite(motor.rpm)]
+        speeds = [abs(motor.rpm) for motor in motors if motor.state != motor.ERROR and abs(motor.rpm) < _FASTEST_RPM]
         return math.fsum(speeds) / len(speeds) if speeds else None

@@ -271,7 +271,7 @@ def test_what_is_no_path_is_refused_and_none_is_taken_in_manual_mode() -> None:
     rover.control.set_mode(False, rover.now)
     rover.control.follow([(0, 0)], "map", rover.now)
     assert rover.said == [
-        "the path is refused: the path has a position that is not a number",
+        "the path is refused: the path has a position that is not a number, or not on Earth",
         "the path is ignored, because the mode is manual",
     ]
 

@@ -136,12 +136,39 @@ def _unknown_covariance(message: Any, _: float) -> None:
         message.pose.covariance = message.twist.covariance = [0.0] * 36
 
 
+def _constant_covariance(message: Any, _: float) -> None:
+    if isinstance(message, Odometry):
+        message.pose.covariance = message.twist.covariance = np.diag([1e-3] * 6).ravel().tolist()
+
+
+class _Impossible:
+    """Numbers that are finite and too large, in each sixth message of each kind."""
+
+    def __init__(self) -> None:
+        self._count = 0
+
+    def __call__(self, message: Any, now: float) -> None:
+        self._count += 1
+        if now < 6 or self._count % 6:
+            return
+        large = (1e300, -1e160, 1e30)[self._count // 6 % 3]
+        if isinstance(message, Odometry):
+            message.pose.pose.position.x = message.twist.twist.linear.x = large
+        elif isinstance(message, sensor_msgs.NavSatFix):
+            message.latitude = message.longitude = large
+        else:
+            for one in message.detections:
+                one.results[0].pose.pose.position.y = large
+
+
 _FAULTS = {
     "a wrong number": (_Misread(0.0), "sighting of landmark 9 left out"),
     "wrong numbers": (_Misread(0.05), "sighting of landmark 9 left out"),
     "no latitude": (_no_latitude, "GPS position left out: it has no position"),
     "a jump of GPS": (_jump, "GPS position left out: it does not fit the pose"),
     "no covariance": (_unknown_covariance, "odometry without covariance"),
+    "a constant covariance": (_constant_covariance, "odometry without covariance, or with one that never grows"),
+    "impossible numbers": (_Impossible(), ""),
 }
 
 

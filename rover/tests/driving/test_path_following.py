@@ -65,6 +65,13 @@ def test_a_path_with_bends_is_followed_to_its_end(points: list[Point], aside: fl
     assert all(_beside(pose, points) < 0.15 + abs(aside) + 0.8 * abs(yaw) for pose in poses)
 
 
+@pytest.mark.parametrize("far", [1e300, -1e160, 1e30, math.nan])
+def test_a_position_that_is_not_on_earth_is_refused(far: float) -> None:
+    """Its distances would overflow, and the rover would get a command that is no number."""
+    with pytest.raises(ValueError, match="not on Earth"):
+        PathFollower([(0.0, 0.0), (far, 1.0)])
+
+
 def test_a_path_may_cross_itself_and_end_at_its_start() -> None:
     """The end does not count before the way to it is driven, and neither does a part that is near by chance."""
     eight = [(0.0, 0.0), (4.0, 4.0), (4.0, 0.0), (0.0, 4.0), (0.0, 0.0)]

@@ -192,7 +192,7 @@ _NO_POSE = "waiting: no pose has come yet"
         ({"child": "camera_link"}, "it is the pose of 'camera_link', not of 'base_link'", _NO_POSE),
         ({"late": -0.6}, "its stamp is in the future; is the clock of its", _NO_POSE),
         ({"late": 100.0}, "it has no stamp", _NO_POSE),
-        ({"x": math.nan}, "it has a value that is not a number", _NO_POSE),
+        ({"x": math.nan}, "it has a value that is not a number, or not on Earth", _NO_POSE),
         ({"uncertain": True}, "", "waiting: the position is uncertain by more than 0.5 m"),
     ],
 )

@@ -213,7 +213,9 @@ def test_parameters_name_the_frames_and_leave_the_transform_out() -> None:
     ("topic", "message", "expected"),
     [
         ("/imu/data_raw", Imu(angular_velocity=Vector3(0, 0, math.nan)), "the angular velocity of an IMU is nan"),
+        ("/imu/data_raw", Imu(angular_velocity=Vector3(0, 0, 1e300)), "the angular velocity of an IMU is 1e+300"),
         ("/drive_progress", DrivingBoardMotorPeriodicProgress(math.inf), "distance_left is inf"),
+        ("/drive_progress", DrivingBoardMotorPeriodicProgress(1e30), "distance_left is 1"),
         ("/drive_motor", DrivingBoardMotorMessage(math.nan, 0.0), "the driving board cannot execute"),
     ],
 )

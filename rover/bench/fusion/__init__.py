@@ -1,0 +1,1 @@
+"""Judges of ``roverlink fuse``: recorded drives of other people, and other filters with the same inputs."""
