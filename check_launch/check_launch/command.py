@@ -10,8 +10,9 @@ depends what is started. PATH may be followed by NAME:=VALUE, as for `ros2 launc
 
 A Python launch file is a program, and runs: check files of strangers only where their code may run.
 
-`roverlink explain PAR101` describes a rule. Exit code 0: there is no finding, or only hints; 1: there are
-errors; 2: a file cannot be read.
+`roverlink explain PAR101` describes a rule. What a node refuses is an error, what it silently ignores is a
+warning. Exit code 0: there is no finding, or only hints; 1: there are errors or warnings; 2: a file cannot
+be read.
 
 Example: roverlink check-launch --complete rover/navigation/launch/slam.launch.py
 """

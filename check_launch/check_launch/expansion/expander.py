@@ -561,7 +561,8 @@ class _Run:
                 message = f"'{text}' is relative to the folder in which `ros2 launch` runs; it is not checked"
                 self._report(NotExpanded, given.place, message)
                 return None
-            self._report(MissingFile, given.place, f"the parameter file {shown} is not there")
+            missing_file = shown if os.path.isabs(text) else f"'{text}'"
+            self._report(MissingFile, given.place, f"the parameter file {missing_file} is not there")
             return None
         try:
             sections = self._expander.sections(path, self._file_text if given.has_substitutions else None)

@@ -48,6 +48,8 @@ class PythonFile:
             raise UnreadableFileError(
                 Span(shown, error.lineno or 0, error.offset or 0), f"not valid Python: {error.msg}"
             ) from error
+        names = (node.attr for node in ast.walk(self._tree) if isinstance(node, ast.Attribute))
+        self._reads_environment = not {"getenv", "environ"}.isdisjoint(names)
         self._stand_ins.read(self._tree)
 
     def actions(self) -> list[Action]:
@@ -98,6 +100,7 @@ class PythonFile:
             if (
                 UNKNOWN_SHARE in message
                 or _is_refusal(error)
+                or ("NoneType" in message and self._reads_environment)
                 or is_missing
                 or (isinstance(error, KeyError) and "environ" in _source_of(error))
             ):

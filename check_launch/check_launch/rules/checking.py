@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 
 from check_launch.catalogue.facts import OWN_SOURCE, Catalogue
@@ -22,6 +23,7 @@ from check_launch.rules.launch_rules import (
     TopicFromOutside,
     UndeclaredArgument,
     UnreadableLaunchFile,
+    as_hint,
 )
 from check_launch.rules.node_findings import node_findings
 from check_launch.rules.parameter_findings import parameter_findings, used_parameters
@@ -110,6 +112,7 @@ class Checker:
                 pass  # a file with another meaning: no launch file gives it to a node
             except UnreadableFileError as error:
                 checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
+        checked.findings = [_of_included(finding, launch_files) for finding in checked.findings]
         checked.launch_files, checked.parameter_files = len(launch_files), len(parameter_files)
         checked.read = len(sections.read_files & set(parameter_files))
         checked.findings = in_order(_once(checked.findings))
@@ -194,6 +197,20 @@ def _loaders(parameter_file: Path) -> Iterator[Path]:
         is_plain = path.name.endswith(LAUNCH_ENDINGS) and path.suffix != ".py"
         if is_plain and path.is_file() and parameter_file.name in path.read_text(encoding="utf-8", errors="replace"):
             yield path
+
+
+def _of_included(finding: Diagnostic, launch_files: Iterable[Path]) -> Diagnostic:
+    """Return an undeclared argument as a hint if another launch file names the file, and so may give the argument."""
+    if finding.rule is not UndeclaredArgument or finding.severity is not Severity.ERROR:
+        return finding
+    own = Path(finding.span.file)
+    others = (path for path in launch_files if shown_path(str(path)) != finding.span.file)
+    return as_hint(finding) if any(own.name in _text_of(path) for path in others) else finding
+
+
+@cache
+def _text_of(path: Path) -> str:
+    return path.read_text(encoding="utf-8", errors="replace")
 
 
 def _key(finding: Diagnostic) -> tuple[object, ...]:

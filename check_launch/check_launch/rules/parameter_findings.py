@@ -147,7 +147,8 @@ def _nearest_parameters(name: str, known: list[str]) -> list[str]:
         return []  # the old name of another parameter is no misspelling
     prefix, _, last = name.rpartition(".")
     beside = {other.rpartition(".")[2]: other for other in known if other.rpartition(".")[0] == prefix}
-    return [beside[part] for part in all_nearest(last, beside, _SAME_PART)] or all_nearest(name, known, _SAME_NAME)
+    others = [other for other in known if other not in beside.values()]
+    return [beside[part] for part in all_nearest(last, beside, _SAME_PART)] or all_nearest(name, others, _SAME_NAME)
 
 
 def _listed(names: Iterable[str]) -> str:
