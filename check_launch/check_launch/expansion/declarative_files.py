@@ -27,7 +27,7 @@ from check_launch.expansion.actions import (
     StartNode,
 )
 from check_launch.expansion.entities import Attribute, Entity, read_entities
-from check_launch.expansion.substitutions import TextSubstitution
+from check_launch.expansion.substitutions import TextSubstitution, UnknownSubstitution
 from check_launch.expansion.written_text import WrongTextError, parse_text
 from check_launch.misspellings import did_you_mean, nearest
 from check_launch.rules.launch_rules import UnknownAction
@@ -128,7 +128,7 @@ class _Reader:
             return parse_text(value)
         except WrongTextError as error:
             self.findings.append(UnknownAction.at(place, str(error)))
-            return ""
+            return UnknownSubstitution()
 
     def get(self, entity: Entity, name: str) -> Any:
         """Return the text of an attribute; None if the element has none."""

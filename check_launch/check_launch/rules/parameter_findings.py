@@ -282,6 +282,8 @@ def _unknown_plugin(plugin: LoadedPlugin, at: Span, catalogue: Catalogue) -> Dia
     package = re.split(r"::|/", type_)[0]
     if misspelt := sorted(name for name in (*fitting, *short) if is_misspelling(type_, name)):
         return UnknownPlugin.at(at, message, did_you_mean(misspelt))
+    if longer := sorted(name for name in short if type_ and name.startswith(type_)):  # without its ending, `Critic`
+        return UnknownPlugin.at(at, message, did_you_mean(longer))
     if package in catalogue.packages or (package == type_ and not plugin.slot.spellings):
         near = all_nearest(type_, [*fitting, *short], 0.7)
         return UnknownPlugin.at(at, message, did_you_mean(near, f"plugins of this kind: {', '.join(sorted(fitting))}"))
