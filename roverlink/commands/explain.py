@@ -179,7 +179,8 @@ def _request(request: dict[str, Any] | None) -> Iterator[str]:
         return
     by = f"with the same {request['field']}" if request["field"] else "one at a time"
     yield f"answered by {request['response']}, {by}"
-    yield f"sent up to {counted(request['attempts'], 'time')}, again for the first time after {request['timeout_ms']} ms"
+    times = counted(request["attempts"], "time")
+    yield f"sent up to {times}, again for the first time after {request['timeout_ms']} ms"
     if service := request["service"]:
         yield f"service {service['name']} ({service['type']})"
 
