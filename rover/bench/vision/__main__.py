@@ -36,8 +36,8 @@ SECTIONS = (
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m rover.bench.vision",
-        description="Measure marker poses, calibrations, rocks and objects on rendered frames, and markers on photographs, "
-        "beside plain OpenCV, and the receiving of images, beside rclpy.",
+        description="Measure marker poses, calibrations, rocks and objects on rendered frames, and markers on "
+        "photographs, beside plain OpenCV, and the receiving of images, beside rclpy.",
         epilog="example: python -m rover.bench.vision --quick --only speed --json vision.json",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all measurements to FILE")

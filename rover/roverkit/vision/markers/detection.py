@@ -7,7 +7,7 @@ test checks this. With the refinement APRILTAG, the corners of 5.0 are shifted b
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,8 @@ Image = NDArray[np.uint8]
 
 _SMALLEST_SIDE = 9
 """Side in pixels of the smallest marker that can be read."""
+_CORRECTED = 0.6
+"""Share of the wrong cells that a dictionary can correct, which OpenCV corrects by default."""
 _STEP = 64
 """Step in pixels to which the sizes of regions are rounded up, so that regions of similar size share a detector."""
 
@@ -32,6 +34,8 @@ class MarkerDetection:
 
     number: int
     corners: Floats
+    doubtful: bool = False
+    """True if so many cells were wrong that squares that are no markers can look the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +112,7 @@ class Detector:
         """Find these markers; with `exact`, only those without a wrong cell."""
         self._markers = markers
         self._exact = exact
+        self._correctable = int(_CORRECTED * markers.bits.maxCorrectionBits)
         self._reader = SquareReader(markers.white, exact=exact)
         self._detectors: dict[tuple[_Search, int], Any] = {}
 
@@ -127,7 +132,7 @@ class Detector:
         part = np.ascontiguousarray(image[region.top : region.bottom, region.left : region.right])
         offset = (region.left, region.top)
         found = self._detect(part, _REGION) or self._detect(part, _THOROUGH)
-        return [MarkerDetection(marker.number, marker.corners + offset) for marker in found]
+        return [replace(marker, corners=marker.corners + offset) for marker in found]
 
     def _detect(self, image: Image, search: _Search) -> list[MarkerDetection]:
         height, width = image.shape
@@ -136,9 +141,12 @@ class Detector:
         # shapes differ between OpenCV versions: ids are (N, 1), (N,) or None
         corners, numbers, unread = self._detector(search, max(height, width)).detectMarkers(image)
         found = [] if numbers is None else np.reshape(numbers, -1).tolist()
-        seen = [(number, np.reshape(corner, (4, 2)).astype(float)) for number, corner in zip(found, corners)]
-        seen += self._reader.read(image, unread)
-        return [MarkerDetection(number, corner) for number, corner in seen if number in self._markers]
+        seen = [
+            MarkerDetection(number, np.reshape(corner, (4, 2)).astype(float)) for number, corner in zip(found, corners)
+        ]
+        read = self._reader.read(image, unread)
+        seen += [MarkerDetection(number, corner, wrong > self._correctable) for number, corner, wrong in read]
+        return [one for one in seen if one.number in self._markers]
 
     def _detect_large(self, image: Image) -> list[MarkerDetection]:
         """Return the large markers in an image, from one of half the size."""
@@ -147,7 +155,7 @@ class Detector:
             return []
         half = cv2.resize(image[: 2 * height, : 2 * width], (width, height), interpolation=cv2.INTER_AREA)
         # the first pixel of the smaller image has its centre between the first two pixels of each row
-        return [MarkerDetection(one.number, 2 * one.corners + 0.5) for one in self._detect(half, _LARGE)]
+        return [replace(one, corners=2 * one.corners + 0.5) for one in self._detect(half, _LARGE)]
 
     def _detector(self, search: _Search, longest: int) -> Any:
         longest = -(-longest // _STEP) * _STEP

@@ -100,6 +100,8 @@ class Guess:
     """Offsets (2, n - 2) of the inner lines in modules, from the previous frame; None if they are unknown."""
     rigidity: float = RIGID
     """Precision, relative to that of a pixel, with which the inner lines are where they should be."""
+    doubtful: bool = False
+    """True if there may be no marker, so that its pattern must explain more than usual."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,6 +19,8 @@ from roverkit.vision.opencv import cv2
 
 EXPLAINED = 0.75
 """Least share of the pixels' variance that a marker's pattern must explain; patterns that are no markers stay below."""
+DOUBTFUL_EXPLAINED = 0.85
+"""The same for a marker that was read with many wrong cells."""
 CONTRAST = 8.0
 """Least difference between white and black of a marker, in grey levels."""
 SHRUNK = (1, 2, 4)
@@ -55,7 +57,9 @@ def fit_markers(image: Image, camera: CameraParameters, guesses: Sequence[Guess]
         good = {
             place: fit
             for place, fit in zip(left, fits)
-            if fit and fit.explained > EXPLAINED and fit.contrast > CONTRAST
+            if fit
+            and fit.explained > (DOUBTFUL_EXPLAINED if guesses[place].doubtful else EXPLAINED)
+            and fit.contrast > CONTRAST
         }
         rays = np.array([fit.rays for fit in good.values()]).reshape(-1, 4, 2)
         for (place, fit), corners in zip(good.items(), camera.distort(rays)):

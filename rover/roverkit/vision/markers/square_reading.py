@@ -43,8 +43,8 @@ class SquareReader:
         inside[1:-1, 1:-1] = True
         self._inside = inside.ravel()
 
-    def read(self, image: NDArray[np.uint8], squares: Sequence[Floats]) -> list[tuple[int, Floats]]:
-        """Return the markers in squares of a grey image (H, W): their numbers, and their corners in OpenCV's order.
+    def read(self, image: NDArray[np.uint8], squares: Sequence[Floats]) -> list[tuple[int, Floats, int]]:
+        """Return the markers in squares of a grey image (H, W): number, corners in OpenCV's order, and wrong cells.
 
         The corners (4, 2) of a square are in pixels, clockwise from any of them.
         """
@@ -61,11 +61,12 @@ class SquareReader:
         usable = (contrast > _CONTRAST) & (white[:, ~self._inside].mean(axis=1) <= _BORDER)
         agreement = np.where(white[:, self._inside], np.float32(1), np.float32(-1)) @ self._signs.T
         best, most = agreement.argmax(axis=1), agreement.max(axis=1)
-        usable &= most >= self._signs.shape[1] - 2 * self._most_wrong
+        wrong = (self._signs.shape[1] - most) / 2
+        usable &= wrong <= self._most_wrong
         usable &= (agreement == most[:, None]).sum(axis=1) == 1
         # A pattern that is turned by 90 degrees has its first corner where the second one was.
         return [
-            (int(best[place]) // 4, np.roll(corners[place], int(best[place]) % 4, axis=0))
+            (int(best[place]) // 4, np.roll(corners[place], int(best[place]) % 4, axis=0), int(wrong[place]))
             for place in np.flatnonzero(usable).tolist()
         ]
 

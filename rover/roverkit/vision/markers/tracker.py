@@ -304,7 +304,10 @@ class Tracker:
 
     def _fit_found(self, grey: Image, found: Sequence[MarkerDetection], stamp: int) -> list[_Track]:
         """Fit detected markers, and return their tracks: those of lost markers with the same numbers, or new ones."""
-        guesses = [Guess(self._markers.pattern(detection.number), detection.corners) for detection in found]
+        guesses = [
+            Guess(self._markers.pattern(detection.number), detection.corners, doubtful=detection.doubtful)
+            for detection in found
+        ]
         seen = []
         for detection, fitted in zip(found, fit_markers(grey, self._camera, guesses)):
             if fitted is None:
