@@ -119,19 +119,19 @@ def read_folder(folder: Path, say: Say = print_note) -> YoloFolder:
     if not export.train:
         raise SetupError(f"{export.file}: there is no image in train")
     measured = {path.resolve() for path in export.val}
-    learnt, val = [path for path in export.train if path.resolve() not in measured], export.val
-    if learnt and val:
+    learnt, kept = [path for path in export.train if path.resolve() not in measured], export.val
+    if learnt and kept:
         if both := len(export.train) - len(learnt):
             say(f"{export.file}: {counted(both, 'image')} of train are in val, too, and are not learnt")
     else:
-        val = export.train[::_VAL_EVERY]
+        kept = export.train[::_VAL_EVERY]
         learnt = [path for number, path in enumerate(export.train) if number % _VAL_EVERY]
         if not learnt:
             raise SetupError(f"{export.file}: there is one image; training needs some, and others for the measurement")
-        say(f"{export.file}: there are no images for val only; {len(val)} of train are measured, and not learnt")
+        say(f"{export.file}: there are no images for val only; {len(kept)} of train are measured, and not learnt")
     train, val = (
         [LabelledImage(path, _labels_of(path), len(export.names), export.points) for path in part]
-        for part in (learnt, val)
+        for part in (learnt, kept)
     )
     if missing := [image for image in (*train, *val) if not image.labels.exists()]:
         if len(missing) == len(train) + len(val):
@@ -195,8 +195,8 @@ def _of_obj_data(file: Path) -> _Export:
     pairs = (line.partition("=") for line in _lines(file))
     entries = {key.strip(): value.strip() for key, _, value in pairs}
     names = _placed(entries.get("names", "obj.names"), file.parent)
-    parts = [_images(entries[key], file.parent) if key in entries else [] for key in ("train", "valid")]
-    return _Export(file, _names(names), *parts)
+    train, val = (_images(entries[key], file.parent) if key in entries else [] for key in ("train", "valid"))
+    return _Export(file, _names(names), train, val)
 
 
 class _NoImagesError(Exception):

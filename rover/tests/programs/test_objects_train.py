@@ -56,6 +56,34 @@ def test_a_network_is_trained_and_measured(scenes: Path, tmp_path: Path, capsys:
 
 
 @needs_jax
+@pytest.mark.slow
+def test_a_training_that_is_stopped_goes_on(
+    scenes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After Ctrl-C, the result is that of the complete epochs; --resume leads to the network of one without a stop."""
+    from roverkit.objects.training import checkpoint
+
+    whole, parts = tmp_path / "whole.onnx", tmp_path / "parts.onnx"
+    words = ["objects", "train", str(scenes), "--epochs", "2", "--size", "64x64", "--out"]
+    assert main([*words, str(whole)]) == 0
+    write = checkpoint.write_checkpoint
+
+    def stopped(*arguments: Any) -> None:
+        write(*arguments)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(checkpoint, "write_checkpoint", stopped)
+        assert main([*words, str(parts)]) == 0
+    assert "stopped after 1 of 2 epochs; --resume goes on" in capsys.readouterr().err
+    assert parts.read_bytes() != whole.read_bytes()
+    assert "is of other images or options" in _refused(capsys, *words[1:], parts, "--resume", "--seed", "2")
+    assert main([*words, str(parts), "--resume"]) == 0
+    assert parts.read_bytes() == whole.read_bytes()
+    assert sorted(tmp_path.iterdir()) == [parts, whole]
+
+
+@needs_jax
 def test_a_file_of_somebody_else_stays(scenes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The exit code is 2."""
     other = tmp_path / "other.onnx"
