@@ -100,10 +100,12 @@ def fused(drive: Drive, noise: Noise) -> tuple[dict[float, Estimate], list[str]]
                     program.publish(FIX.name, _fix(drive.fixes[time], stamp), stamp)
                 else:
                     program.publish(DETECTIONS.name, _sightings(drive.sightings[time], noise, stamp), stamp)
-            dead.move(*drive.motion(last, now))
+            motion = drive.motion(last, now)
+            dead.move(*motion)
+            speed = float(motion[0]) / (now - last) if now > last else 0.0
             last = now
             times[stamp := _stamp(drive, now)] = now
-            program.publish(ODOMETRY.name, _odometry(dead, stamp), stamp)
+            program.publish(ODOMETRY.name, _odometry(dead, speed, stamp), stamp)
         return {times[stamp]: estimate for stamp, estimate in program.found.items()}, program.said
 
 
@@ -139,14 +141,19 @@ def _detection(name: int, place: Floats, covariance: Floats) -> vision_msgs.Dete
     return vision_msgs.Detection3D(results=[hypothesis], id=str(name))
 
 
-def _odometry(dead: GatedFilter, stamp: int) -> nav_msgs.Odometry:
+def _odometry(dead: GatedFilter, speed: float, stamp: int) -> nav_msgs.Odometry:
     """Return the message of a driver that knows no covariance of the velocities, as many do."""
     whole = np.diag([1e6] * 6)
     whole[PLANAR] = dead.covariance
     x, y, yaw = dead.pose.tolist()
     pose = geometry_msgs.Pose(geometry_msgs.Point(x, y), geometry_msgs.Quaternion(*quaternion(0.0, 0.0, yaw)))
     header: std_msgs.Header = header_of(stamp, "odom")
-    return nav_msgs.Odometry(header, "base_link", geometry_msgs.PoseWithCovariance(pose, whole.ravel().tolist()))
+    return nav_msgs.Odometry(
+        header,
+        "base_link",
+        geometry_msgs.PoseWithCovariance(pose, whole.ravel().tolist()),
+        geometry_msgs.TwistWithCovariance(geometry_msgs.Twist(geometry_msgs.Vector3(speed))),
+    )
 
 
 def _fix(fix: Fix, stamp: int) -> sensor_msgs.NavSatFix:

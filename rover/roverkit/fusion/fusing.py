@@ -136,7 +136,7 @@ class Fusion:
                 self._odometry_at = self._clock.now()
                 before = self._track.newest
                 if not self._track.add(point):
-                    self._logger.warning("the time or the pose of %s has jumped; beginning again", ODOMETRY.name)
+                    self.reasons.tell(f"the time or the pose of {ODOMETRY.name} has jumped; beginning again")
                     self._start()
                     self._track.add(point)
                 self._catch_up(point.stamp)

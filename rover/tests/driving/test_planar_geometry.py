@@ -14,11 +14,13 @@ pytest.importorskip("cv2", reason=NO_OPENCV)
 pytest.importorskip("gtsam", reason=NO_GTSAM)
 
 from roverkit.driving.arcs import PlanarPose
+from roverkit.fusion.field_factors import detection_factor, pose2
+from roverkit.fusion.gtsam_library import gtsam
 from roverkit.fusion.landmark_agreement import agreeing
 from roverkit.fusion.odometry_track import OdometryPoint, OdometryTrack
-from roverkit.fusion.planar_gaussian import PlanarGaussian, adjoint
+from roverkit.fusion.planar_gaussian import PlanarGaussian, adjoint, rotation, squared_distance, squared_way
 from roverkit.fusion.planar_landmarks import planar_detections
-from roverkit.fusion.slipping_motion import slipping_motion
+from roverkit.fusion.slipping_motion import slipping_motion, state_of
 from roverkit.vision import Landmark, Landmarks, Pose
 from roverkit.vision.poses.pose import quaternion_of, rotation_of
 
@@ -50,6 +52,48 @@ def test_a_motion_is_what_odometry_has_added(start: PlanarGaussian, motion: Plan
     found = _point(start).motion_to(_point(start @ motion, 1.0, most))
     assert found.covariance[2, 2] == pytest.approx(min(motion.covariance[2, 2], most**2), abs=1e-6)
     assert (np.linalg.eigvalsh(found.covariance) > 0).all()
+
+
+@given(_gaussians, _gaussians, _angles)
+def test_a_direction_that_nobody_has_measured_changes_no_distance(
+    one: PlanarGaussian, other: PlanarGaussian, turn: float
+) -> None:
+    """Whatever is written for it: the gate sees the positions alone."""
+    unknown, turned = np.diag([0.0, 0.0, 1e6]), rotation(turn)
+    sights = [
+        PlanarGaussian(other.pose, other.covariance * _APART + unknown),
+        PlanarGaussian(other.pose @ PlanarPose(0, 0, turn), turned.T @ (other.covariance * _APART) @ turned + unknown),
+    ]
+    first, second = (squared_distance(one, sight) for sight in sights)
+    assert first == pytest.approx(second, rel=1e-3, abs=1e-3)
+    assert first == pytest.approx(squared_way(one, other), rel=1e-3, abs=1e-3)
+
+
+_APART = np.array([[1, 1, 0], [1, 1, 0], [0, 0, 1]])
+"""Factors that leave the position and the direction of a covariance alone with each other."""
+
+
+@given(_poses, _poses, _poses)
+def test_the_derivatives_of_a_sighting_are_those_of_its_error(
+    rover: PlanarPose, landmark: PlanarPose, place: PlanarPose
+) -> None:
+    """For errors of any size, by differences."""
+    factor = detection_factor(0, 1, place, gtsam.noiseModel.Unit.Create(3))
+    values = gtsam.Values()
+    values.insert(0, state_of(rover, np.zeros(2)))
+    values.insert(1, pose2(landmark))
+    by_both = factor.linearize(values).jacobian()[0]
+    for column in range(8):
+        step, found = np.zeros(8), []
+        for size in (1e-5, -1e-5):
+            step[column] = size
+            changed = gtsam.Values()
+            changed.insert(0, state_of(rover, np.zeros(2)) + step[:5])
+            changed.insert(1, pose2(landmark).retract(step[5:]))
+            found.append(factor.unwhitenedError(changed))
+        change = found[0] - found[1]
+        change[2] = math.remainder(change[2], 2 * math.pi)
+        assert change / 2e-5 == pytest.approx(by_both[:, column], abs=1e-3)
 
 
 @given(st.floats(0.01, 3), st.floats(0.01, 3), st.sampled_from([1, -1]))
