@@ -68,6 +68,9 @@ MESSAGES: dict[str, Fields] = {
     "BasestationRockMeasureResult": (
         (1, "length_cm", "float"),
         (2, "width_cm", "float"),
+        (3, "failure", "RockMeasureFailure"),
+        (4, "length_sigma_cm", "float"),
+        (5, "width_sigma_cm", "float"),
     ),
     "BasestationRoverLocalization": (
         (1, "x", "float"),
@@ -289,6 +292,18 @@ ENUMS: dict[str, Values] = {
         (3, "PRESSURE_CALIBRATION_REQUIRED"),
         (4, "PRESSURE_INVALID_DATA"),
         (5, "PRESSURE_SENSOR_FAULT"),
+    ),
+    "RockMeasureFailure": (
+        (0, "ROCK_MEASURE_FAILURE_NONE"),
+        (1, "ROCK_MEASURE_FAILURE_NO_IMAGE"),
+        (2, "ROCK_MEASURE_FAILURE_OUTSIDE_IMAGE"),
+        (3, "ROCK_MEASURE_FAILURE_SHORT_LINE"),
+        (4, "ROCK_MEASURE_FAILURE_NOT_ALIGNED"),
+        (5, "ROCK_MEASURE_FAILURE_LITTLE_DEPTH"),
+        (6, "ROCK_MEASURE_FAILURE_NO_PLANE"),
+        (7, "ROCK_MEASURE_FAILURE_NO_ROCK"),
+        (8, "ROCK_MEASURE_FAILURE_CUT_OFF"),
+        (9, "ROCK_MEASURE_FAILURE_LINE_MISMATCH"),
     ),
     "SensorBoardDiagnostics.State": (
         (0, "IDLE"),

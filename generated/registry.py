@@ -88,7 +88,7 @@ REGISTRY = Registry(
         PressureTemperatureTopic(),
         OdometryGlobalTopic(),
     ),
-    fingerprint="504e342d7638838b4c5ece4f5a036b1f3dac5b20c12f4ba777f14a3acdd16ea2",
+    fingerprint="283ac810eb99a868fcf1a6274dec89fea9a3f890c8870eb6c8c2a928cb9ab41a",
     sources={
         "mapping.yaml": "aede65d1c5b37e2f",
         "proto/components/arm_board/motor_diagnostics.proto": "19b803bb1e53824a",
@@ -99,7 +99,7 @@ REGISTRY = Registry(
         "proto/components/basestation/detected_object.proto": "fc99c0a74cdd0615",
         "proto/components/basestation/object_selection.proto": "4decfa2e2ede6dc8",
         "proto/components/basestation/rock_measure_request.proto": "d3918aa6938a0497",
-        "proto/components/basestation/rock_measure_result.proto": "d5d3f3cea5554e9d",
+        "proto/components/basestation/rock_measure_result.proto": "083fceba676b355f",
         "proto/components/basestation/rover_localization.proto": "97be11e410b4630c",
         "proto/components/common/motor.proto": "041946204287d910",
         "proto/components/driving_board/motor_diagnostics.proto": "8aa8b8a3bc8d26c0",

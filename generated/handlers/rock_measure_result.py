@@ -38,6 +38,9 @@ class RockMeasureResultHandler(
         return BasestationRockMeasureResult(
             length_cm=payload.length_cm,
             width_cm=payload.width_cm,
+            failure=payload.failure,
+            length_sigma_cm=payload.length_sigma_cm,
+            width_sigma_cm=payload.width_sigma_cm,
         )
 
     @staticmethod
@@ -48,4 +51,7 @@ class RockMeasureResultHandler(
         return rock_measure_result_pb2.BasestationRockMeasureResult(
             length_cm=message.length_cm,
             width_cm=message.width_cm,
+            failure=message.failure,
+            length_sigma_cm=message.length_sigma_cm,
+            width_sigma_cm=message.width_sigma_cm,
         )

@@ -20,7 +20,7 @@ _SECTIONS = [
     pytest.param("rover/docs/driving.md", "Try it", marks=[needs_dds, needs_native]),
     ("rover/docs/driving.md", "Add a speed and a turn to the commands"),
     ("rover/docs/driving.md", "Add an odometer and a number to the reports"),
-    ("rover/docs/rocks.md", "Add a camera, a reason and a number to the messages"),
+    ("rover/docs/rocks.md", "Add a camera and a number to the messages"),
     ("rover/docs/navigation.md", "Report missions to the basestation"),
     pytest.param("rover/docs/vision.md", "Try it", marks=[needs_dds, _NEEDS_OPENCV]),
 ]

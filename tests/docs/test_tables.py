@@ -101,12 +101,15 @@ def test_a_table_lists_what_the_code_has(page: str, heading: str, names: list[st
 
 @_NEEDS_OPENCV
 def test_rocks_lists_the_reasons() -> None:
-    """In the table, and in the proposed enum."""
+    """In the table, and in the enum of the message."""
     from roverkit.rocks.unmeasurable import Unmeasurable
+
+    from generated.messages import BasestationRockMeasureResult
 
     page, reasons = _page("rover/docs/rocks.md"), [reason.value for reason in Unmeasurable]
     assert re.findall(r"^\| `(\w+)` \| [^|]* \|$", page, re.MULTILINE) == reasons
-    assert [name.lower() for name in re.findall(r"ROCK_MEASURE_FAILURE_(\w+) = [1-9]", page)] == reasons
+    failures = {name for name in vars(BasestationRockMeasureResult) if name.startswith("ROCK_MEASURE_FAILURE_")}
+    assert failures == {f"ROCK_MEASURE_FAILURE_{reason.upper()}" for reason in ("none", *reasons)}
 
 
 @_NEEDS_OPENCV

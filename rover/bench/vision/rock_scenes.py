@@ -1,15 +1,17 @@
 """Renderer of rocks on an inclined ground, as the depth camera of a D435i sees them, with known lengths and widths.
 
-A rock is an ellipsoid whose radius is multiplied by smooth noise. The stereo camera's errors are modelled: noise that
+A rock is an ellipsoid whose radius is multiplied by smooth noise, or a polyhedron: a slab, or what flat cuts leave of
+an ellipsoid. Another rock may touch it. The stereo camera's errors are modelled: noise that
 grows with the square of the distance and that neighbouring pixels share, foreground that is a pixel too wide, steps of
 a millimetre, holes at edges and beside near objects (where one of the two imagers sees nothing), and holes in patches.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import combinations
+from typing import Any, Protocol
 
 import cv2
 import numpy as np
@@ -38,9 +40,22 @@ _EDGE = 0.03  # step between neighbouring pixels that is an edge, as a fraction 
 _PATCHES = 0.04  # share of the image that holes in patches take
 
 
+class Rock(Protocol):
+    """Rock on a plane, in its own frame: x along, y across and z up, from its centre on the ground, in metres."""
+
+    def ends(self) -> Floats:
+        """Return the two points (2, 3) of the surface that are farthest apart along the rock, as seen from above."""
+
+    def surface(self) -> Floats:
+        """Return points (N, 3) of the surface above the ground, with all that are outermost as seen from above."""
+
+    def depths(self, origin: Floats, rays: Floats) -> Floats:
+        """Return the factors (N,) of rays (N, 3) from an origin (3,) where they meet the rock; NaN if they do not."""
+
+
 @dataclass(frozen=True, slots=True)
-class Rock:
-    """Rock on a plane: semi-axes along, across and up in metres, and the height of its centre over the plane."""
+class SmoothRock:
+    """Rock like an ellipsoid: semi-axes along, across and up in metres, and the height of its centre over the plane."""
 
     axes: Floats
     lift: float = 0.0
@@ -60,8 +75,13 @@ class Rock:
         distance = np.linalg.norm(scaled, axis=-1)
         return np.asarray(distance - self.radius(scaled / np.maximum(distance, 1e-9)[..., None]))
 
+    def ends(self) -> Floats:
+        """Return the ends along the axis x."""
+        surface = self.surface()
+        return surface[[int(np.argmin(surface[:, 0])), int(np.argmax(surface[:, 0]))]]
+
     def surface(self) -> Floats:
-        """Return points (N, 3) of the surface above the ground, in the rock's frame."""
+        """Return evenly distributed points."""
         index = np.arange(_DIRECTIONS) + 0.5
         up = 1 - 2 * index / _DIRECTIONS
         turn = np.pi * (1 + 5**0.5) * index
@@ -69,6 +89,57 @@ class Rock:
         directions = np.stack([level * np.cos(turn), level * np.sin(turn), up], axis=-1)
         points = directions * self.radius(directions)[:, None] * self.axes + (0, 0, self.lift)
         return np.asarray(points[points[:, 2] >= 0])
+
+    def depths(self, origin: Floats, rays: Floats) -> Floats:
+        """Return where rays enter the rock, by steps through a sphere that contains the scaled rock, and bisection."""
+        found = np.full(len(rays), np.nan)
+        scaled_origin, scaled = (origin - (0, 0, self.lift)) / self.axes, rays / self.axes
+        a, b = (scaled**2).sum(axis=-1), scaled @ scaled_origin
+        inside = b * b - a * (scaled_origin @ scaled_origin - _MARGIN**2)
+        hit = np.flatnonzero(inside > 0)
+        root = np.sqrt(inside[hit])
+        near, far = (-b[hit] - root) / a[hit], (-b[hit] + root) / a[hit]
+        steps = near + np.linspace(0, 1, _STEPS)[:, None] * (far - near)
+        outside = self.outside(origin + steps[..., None] * rays[hit]) > 0
+        first = (~outside).argmax(axis=0)
+        met = np.flatnonzero((~outside).any(axis=0) & (first > 0))
+        before, after, ways = steps[first[met] - 1, met], steps[first[met], met], rays[hit][met]
+        for _ in range(_BISECTIONS):
+            middle = (before + after) / 2
+            out = self.outside(origin + middle[:, None] * ways) > 0
+            before, after = np.where(out, middle, before), np.where(out, after, middle)
+        found[hit[met]] = after
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Polyhedron:
+    """Rock with flat faces: the points p above the ground with ``normals @ p <= distances``."""
+
+    normals: Floats
+    distances: Floats
+
+    def ends(self) -> Floats:
+        """Return the two corners that are farthest apart, as seen from above."""
+        corners = self.surface()
+        apart = np.linalg.norm(corners[:, None, :2] - corners[None, :, :2], axis=-1)
+        return corners[list(np.unravel_index(int(apart.argmax()), apart.shape))]
+
+    def surface(self) -> Floats:
+        """Return the corners: where three planes meet, and no other one cuts the point off."""
+        normals, distances = np.vstack([self.normals, (0, 0, -1)]), np.append(self.distances, 0)
+        triples = np.array(list(combinations(range(len(normals)), 3)))
+        triples = triples[np.abs(np.linalg.det(normals[triples])) > 1e-6]
+        corners = np.linalg.solve(normals[triples], distances[triples][..., None])[..., 0]
+        return np.asarray(corners[(corners @ normals.T <= distances + 1e-9).all(axis=1)])
+
+    def depths(self, origin: Floats, rays: Floats) -> Floats:
+        """Return where rays enter the last one of the half-spaces, if they have left none of them before."""
+        outside, slopes = self.normals @ origin - self.distances, rays @ self.normals.T
+        factors = -outside / np.where(np.abs(slopes) < 1e-12, 1e-12, slopes)
+        enters = np.where(slopes < 0, factors, -np.inf).max(axis=1)
+        leaves = np.where(slopes > 0, factors, np.inf).min(axis=1)
+        return np.where((enters < leaves) & (enters > 0), enters, np.nan)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,52 +166,93 @@ def camera() -> CameraParameters:
 
 
 def scenes(
-    count: int, seed: int, *, bumps: float = 0.0, lift: float = 0.0, turn: tuple[float, float] = (0, 60)
+    count: int,
+    seed: int,
+    *,
+    bumps: float = 0.0,
+    lift: float = 0.0,
+    turn: tuple[float, float] = (0, 60),
+    faces: int = 0,
+    slab: bool = False,
+    touched: bool = False,
 ) -> Iterator[RockScene]:
     """Yield scenes with random rocks, cameras and grounds.
 
     The radius of the ellipsoids is multiplied by smooth noise with the standard deviation `bumps`. The centre of a rock
     is above the ground by `lift` times its vertical semi-axis. `turn` has the smallest and the largest angle in degrees
-    between the rock's long axis and the horizontal of the image.
+    between the rock's long axis and the horizontal of the image. With `faces`, a rock is a polyhedron with so many
+    random faces, some of which are below the ground; a `slab` is flat, and has an upper side. With `touched`, another
+    polyhedron lies beside the rock.
     """
     made = 0
     for number in range(20 * count):
         if made == count:
             return
-        scene = _scene(np.random.default_rng([seed, number]), bumps, lift, turn)
+        rng = np.random.default_rng([seed, number])
+        along = rng.uniform(0.06, 0.2)
+        across = along * rng.uniform(0.5, 0.95)
+        up = across * (rng.uniform(0.2, 0.35) if slab else rng.uniform(0.5, 1.1))
+        axes = np.array([along, across, up])
+        rock = _polyhedron(rng, axes, faces, slab=slab) if faces else _smooth(rng, axes, lift * up, bumps)
+        others: list[tuple[Rock, Floats]] = []
+        if touched:
+            other = _polyhedron(rng, 0.8 * axes[[0, 1, 1]], faces or 30)
+            apart = float(np.ptp(rock.surface()[:, 1]) + np.ptp(other.surface()[:, 1])) / 2
+            others.append((other, rng.choice([-1, 1]) * np.array([0.0, apart, 0.0])))
+        scene = _scene(rng, rock, turn, others)
         if scene is not None:
             made += 1
             yield scene
     raise AssertionError("too few random scenes have the whole rock in the image")
 
 
-def _scene(rng: np.random.Generator, bumps: float, lift: float, turn: tuple[float, float]) -> RockScene | None:
-    """Return a random scene, or None if the rock reaches out of the image."""
-    along = rng.uniform(0.06, 0.2)
-    across = along * rng.uniform(0.5, 0.95)
-    up = across * rng.uniform(0.5, 1.1)
-    waves = None
-    if bumps:
-        vectors = rng.normal(size=(_WAVES, 3))
-        vectors *= (rng.uniform(1.5, 5, _WAVES) / np.linalg.norm(vectors, axis=1))[:, None]
-        heights = rng.uniform(0.3, 1, _WAVES)
-        heights *= bumps * np.sqrt(2) / np.linalg.norm(heights)  # the mean square of a sine is a half
-        waves = np.column_stack([vectors, rng.uniform(0, 2 * np.pi, _WAVES), heights])
-    rock = Rock(np.array([along, across, up]), lift * up, waves)
+def _smooth(rng: np.random.Generator, axes: Floats, lift: float, bumps: float) -> SmoothRock:
+    if not bumps:
+        return SmoothRock(axes, lift)
+    vectors = rng.normal(size=(_WAVES, 3))
+    vectors *= (rng.uniform(1.5, 5, _WAVES) / np.linalg.norm(vectors, axis=1))[:, None]
+    heights = rng.uniform(0.3, 1, _WAVES)
+    heights *= bumps * np.sqrt(2) / np.linalg.norm(heights)  # the mean square of a sine is a half
+    return SmoothRock(axes, lift, np.column_stack([vectors, rng.uniform(0, 2 * np.pi, _WAVES), heights]))
+
+
+def _polyhedron(rng: np.random.Generator, axes: Floats, faces: int, *, slab: bool = False) -> Polyhedron:
+    """Return what cuts at random places leave of an ellipsoid with semi-axes (3,)."""
+    normals = rng.normal(size=(faces, 3))
+    if slab:
+        normals[:, 2] *= 0.3
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    distances = np.linalg.norm(normals * axes, axis=1) * rng.uniform(0.8, 1, faces)
+    box = np.vstack([np.eye(3), -np.eye(3)])  # without it, few cuts can leave something endless
+    return Polyhedron(np.vstack([normals, box]), np.append(distances, [*axes, *axes]))
+
+
+def _scene(
+    rng: np.random.Generator, rock: Rock, turn: tuple[float, float], others: Sequence[tuple[Rock, Floats]]
+) -> RockScene | None:
+    """Return a scene with a random camera, or None if the rock reaches out of the image."""
     distance = rng.uniform(0.6, 2.0)
     down, roll = np.radians(rng.uniform(22, 60)), np.radians(rng.uniform(-12, 12))
     # The direction to the rock, and the ground's normal: away from gravity by the slope that `roll` and `down` include.
     middle = np.append(rng.uniform(-0.25, 0.25, 2), 1.0)
     centre = distance * middle / np.linalg.norm(middle)
     normal = np.array([np.sin(roll) * np.cos(down), -np.cos(roll) * np.cos(down), -np.sin(down)])
-    return render(rock, centre, normal, np.radians(rng.choice([-1, 1]) * rng.uniform(*turn)), rng)
+    return render(rock, centre, normal, np.radians(rng.choice([-1, 1]) * rng.uniform(*turn)), rng, others)
 
 
-def render(rock: Rock, centre: Floats, normal: Floats, turn: float, rng: np.random.Generator) -> RockScene | None:
+def render(
+    rock: Rock,
+    centre: Floats,
+    normal: Floats,
+    turn: float,
+    rng: np.random.Generator,
+    others: Sequence[tuple[Rock, Floats]] = (),
+) -> RockScene | None:
     """Return the scene of a rock on the ground, or None if the rock reaches out of the image.
 
     `centre` is the rock's centre on the ground in the optical frame, `normal` the ground's normal, and `turn` the angle
-    in radians by which the rock is turned about it, from the image's horizontal.
+    in radians by which the rock is turned about it, from the image's horizontal. `others` are other rocks, each with
+    its place (3,) in the rock's frame.
     """
     right = np.cross(np.cross(normal, (1.0, 0, 0)), normal)
     right /= np.linalg.norm(right)
@@ -148,52 +260,32 @@ def render(rock: Rock, centre: Floats, normal: Floats, turn: float, rng: np.rand
     axes = np.stack(
         [np.cos(turn) * right + np.sin(turn) * behind, np.cos(turn) * behind - np.sin(turn) * right, normal]
     )
-    surface = rock.surface()
-    first, last = surface[int(np.argmin(surface[:, 0]))], surface[int(np.argmax(surface[:, 0]))]
-    between = (last - first)[:2]
+    surface, both = rock.surface(), rock.ends()
+    between = (both[1] - both[0])[:2]
     length = float(np.linalg.norm(between))
     side = surface[:, :2] @ (np.array([-between[1], between[0]]) / length)
-    ends = np.stack([first, last]) @ axes + centre
     seen = camera().project(surface @ axes + centre)
     if not ((seen > 4) & (seen < np.array(LENS.size) - 5)).all():
         return None
-    pixels = np.rint(camera().project(ends) + rng.normal(0, CLICK, (2, 2))).astype(int)
-    exact = _exact(rock, centre, axes)
+    pixels = np.rint(camera().project(both @ axes + centre) + rng.normal(0, CLICK, (2, 2))).astype(int)
+    exact = _exact(((rock, np.zeros(3)), *others), centre, axes)
     x1, y1, x2, y2 = pixels.ravel().tolist()
     width = float(np.ptp(side))
     return RockScene(measured(exact, rng), exact, (x1, y1, x2, y2), length, width, (normal, -float(normal @ centre)))
 
 
-def _exact(rock: Rock, centre: Floats, axes: Floats) -> Depth:
-    """Return the depth of ground and rock, without errors."""
+def _exact(rocks: Sequence[tuple[Rock, Floats]], centre: Floats, axes: Floats) -> Depth:
+    """Return the depth of ground and rocks, without errors."""
     width, height = LENS.size
     x, y = np.meshgrid(np.arange(width), np.arange(height))
-    rays = np.append(camera().undistort(np.stack([x, y], axis=-1).astype(float)), np.ones((height, width, 1)), axis=-1)
+    pixels = np.stack([x.ravel(), y.ravel()], axis=-1).astype(float)
+    rays = np.append(camera().undistort(pixels), np.ones((len(pixels), 1)), axis=1)
     slope = rays @ axes[2]
     depth = np.where(slope < 0, float(axes[2] @ centre) / np.minimum(slope, -1e-9), np.nan)
     depth[~(depth < 10)] = np.nan
-    # The rock in its own frame, and scaled so that a sphere of the radius `_MARGIN` contains it.
-    origin, directions = (-centre @ axes.T), rays @ axes.T
-    scaled_origin, scaled = (origin - (0, 0, rock.lift)) / rock.axes, directions / rock.axes
-    a, b = (scaled**2).sum(axis=-1), scaled @ scaled_origin
-    inside = b * b - a * (scaled_origin @ scaled_origin - _MARGIN**2)
-    hit = inside > 0
-    root = np.sqrt(inside[hit])
-    near, far = (-b[hit] - root) / a[hit], (-b[hit] + root) / a[hit]
-    steps = near + np.linspace(0, 1, _STEPS)[:, None] * (far - near)
-    outside = rock.outside(origin + steps[..., None] * directions[hit]) > 0
-    first = (~outside).argmax(axis=0)
-    met = (~outside).any(axis=0) & (first > 0)
-    columns = np.flatnonzero(met)
-    before, after, ways = steps[first[met] - 1, columns], steps[first[met], columns], directions[hit][met]
-    for _ in range(_BISECTIONS):
-        middle = (before + after) / 2
-        out = rock.outside(origin + middle[:, None] * ways) > 0
-        before, after = np.where(out, middle, before), np.where(out, after, middle)
-    mask = np.zeros((height, width), bool)
-    mask[hit] = met
-    depth[mask] = np.fmin(depth[mask], after)
-    return np.asarray(depth)
+    for rock, place in rocks:
+        depth = np.fmin(depth, rock.depths(-centre @ axes.T - place, rays @ axes.T))
+    return np.asarray(depth.reshape(height, width))
 
 
 def measured(exact: Depth, rng: np.random.Generator) -> Depth:

@@ -24,6 +24,10 @@ KINDS: dict[str, dict[str, Any]] = {
     "very irregular rocks: 6 %": {"bumps": 0.06},
     "widest part above the ground: at 0.3 of half the height": {"lift": 0.3},
     "line away from the camera: 60 to 90 degrees": {"bumps": 0.035, "turn": (60, 90)},
+    "angular rocks: 30 faces": {"faces": 30},
+    "angular rocks: 16 faces": {"faces": 16},
+    "slabs": {"faces": 10, "slab": True},
+    "angular rocks that touch another one": {"faces": 30, "touched": True},
 }
 """Arguments of `scenes` for each kind of rock."""
 TWO_PIXELS = "depth at the two pixels"
@@ -41,6 +45,9 @@ class RockError:
     contestant: str
     length: float
     width: float
+    length_sigma: float
+    """Standard deviation that the contestant claims, in percent; NaN if it claims none."""
+    width_sigma: float
     seconds: float
 
 
@@ -52,10 +59,12 @@ def measure_rocks(
         for scene in scenes(count, SEED, **KINDS[kind]):
             for name, contestant in _CONTESTANTS.items():
                 before = time.perf_counter()
-                length, width = contestant(scene)
+                length, width, *sigmas = contestant(scene)
                 seconds = time.perf_counter() - before
                 errors = 100 * (length / scene.length - 1), 100 * (width / scene.width - 1)
-                yield RockError(kind, name, *errors, seconds)
+                length_sigma, width_sigma = sigmas or (np.nan, np.nan)
+                claimed = 100 * length_sigma / scene.length, 100 * width_sigma / scene.width
+                yield RockError(kind, name, *errors, *claimed, seconds)
         say(f"rocks: {kind}")
 
 
@@ -64,10 +73,11 @@ def measure(count: int, say: Callable[[str], None]) -> SectionResult:
     found = list(measure_rocks(count, say=say))
     table = Table(
         f"Rocks, {count} of each kind, 640x480, distances of 0.6 to 2 m",
-        ("error, %", "length\nmedian", "90 %", "width\nmedian", "90 %", "no result", "ms, median", "largest"),
+        ("error, %", "length\nmedian", "90 %", "width\nmedian", "90 %", "inside 95 %", "no result", "ms", "largest"),
         [Group(kind, [_row(name, found, kind) for name in _CONTESTANTS]) for kind in KINDS],
         [
             "Goals for the first two kinds: length 1.5 and 4 %, width 4 and 8 %, 200 ms.",
+            "Inside 95 %: the share of lengths and widths whose error is at most 1.96 times the claimed sigma.",
             "A line's endpoints are wrong by 0.5 px (standard deviation), and rounded to whole pixels.",
         ],
     )
@@ -80,21 +90,33 @@ def quantiles(errors: Sequence[float]) -> tuple[float, float]:
     return (float(np.median(known)), float(np.quantile(known, 0.9))) if known.size else (np.nan, np.nan)
 
 
+def covered(found: Sequence[RockError]) -> tuple[float, float]:
+    """Return the shares of the lengths and of the widths whose error is at most 1.96 claimed standard deviations."""
+    known = [one for one in found if not np.isnan(one.length_sigma)]
+    if not known:
+        return np.nan, np.nan
+    return (
+        float(np.mean([abs(one.length) <= 1.96 * one.length_sigma for one in known])),
+        float(np.mean([abs(one.width) <= 1.96 * one.width_sigma for one in known])),
+    )
+
+
 def _row(name: str, found: Sequence[RockError], kind: str) -> tuple[str, ...]:
     chosen = [result for result in found if (result.kind, result.contestant) == (kind, name)]
     numbers = *quantiles([one.length for one in chosen]), *quantiles([one.width for one in chosen])
     missing = sum(np.isnan(one.length) for one in chosen)
     times = [1000 * run.seconds for run in chosen]
     texts = ("" if np.isnan(number) else f"{number:.1f}" for number in numbers)
-    return name, *texts, str(missing), f"{np.median(times):.0f}", f"{max(times):.0f}"
+    shares = ", ".join("" if np.isnan(share) else f"{100 * share:.0f}" for share in covered(chosen)).strip(", ")
+    return name, *texts, shares, str(missing), f"{np.median(times):.0f}", f"{max(times):.0f}"
 
 
-def _ours(scene: RockScene) -> tuple[float, float]:
+def _ours(scene: RockScene) -> tuple[float, ...]:
     try:
         size = measure_rock(scene.depth, camera(), scene.line)
     except UnmeasurableError:
-        return np.nan, np.nan
-    return size.length, size.width
+        return (np.nan,) * 4
+    return size.length, size.width, size.length_sigma, size.width_sigma
 
 
 def _near_side(scene: RockScene) -> tuple[float, float]:
@@ -139,7 +161,7 @@ def _two_pixels(scene: RockScene) -> tuple[float, float]:
     return float(np.linalg.norm(last - first)), np.nan
 
 
-_CONTESTANTS: dict[str, Callable[[RockScene], tuple[float, float]]] = {
+_CONTESTANTS: dict[str, Callable[[RockScene], tuple[float, ...]]] = {
     OURS: _ours,
     NEAR_SIDE: _near_side,
     TWO_PIXELS: _two_pixels,

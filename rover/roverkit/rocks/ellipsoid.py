@@ -30,13 +30,16 @@ _SPREAD = np.array([0.35, 0.5, 0.125, 0.08])
 _STARTS = np.array([[np.log(0.75), np.log(0.5), 0, 0], [np.log(0.75), np.log(0.5), 0.15, 0], [np.log(0.6), -1.4, 0, 0]])
 _HIGHEST = 0.4
 """Highest widest part, as a fraction of the line's length: a ball on the ground has 0.5, if nothing of it is buried."""
+_BETTER = 0.95
+"""Part of the cost of the bare ground that an ellipsoid may have: bumps of a rough ground have more."""
+_MOST_SQUARED = 9.0  # three standard deviations: flying pixels at the edges have many
 _STEPS = 20
 _STEP = 1e-3
 _CONVERGED = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class DepthPatch:
+class EllipsoidPatch:
     """Part of a depth image around a line, in the frame of the line on the ground.
 
     The origin is the line's first end on the ground; x is along the line, z is up.
@@ -91,16 +94,30 @@ class DepthPatch:
         return min(1.0, _INDEPENDENT / max(len(self.inverse), 1))
 
 
-def fit_ellipsoid(patch: DepthPatch) -> tuple[float, float] | None:
-    """Return the length and the width in metres of the rock; None if the bare ground is the better explanation."""
+@dataclass(frozen=True, slots=True)
+class Ellipsoid:
+    """Ellipsoid on the ground: its length and width in metres, and how well it explains the depth."""
+
+    length: float
+    width: float
+    misfit: float
+    """Root mean square of the differences on the rock in standard deviations: about 1 for a rock like an ellipsoid."""
+
+
+def fit_ellipsoid(patch: EllipsoidPatch) -> Ellipsoid | None:
+    """Return the ellipsoid that explains the depth best; None if the bare ground explains it nearly as well."""
     cost, shape = min((_descended(patch, start) for start in _STARTS), key=lambda found: found[0])
-    if cost >= patch.cost(None):
+    if cost >= _BETTER * patch.cost(None):
         return None
     (half_length, half_width, _), _ = patch.sizes(shape)
-    return 2 * float(half_length), 2 * float(half_width)
+    rock = patch.predicted(shape) > patch.predicted(None)
+    squares = np.minimum(patch.differences(shape)[rock] ** 2, _MOST_SQUARED)
+    return Ellipsoid(
+        2 * float(half_length), 2 * float(half_width), float(np.sqrt(squares.mean())) if rock.any() else 0.0
+    )
 
 
-def _descended(patch: DepthPatch, shape: Floats) -> tuple[float, Floats]:
+def _descended(patch: EllipsoidPatch, shape: Floats) -> tuple[float, Floats]:
     """Return the cost of the nearest minimum and its shape (Levenberg and Marquardt)."""
     cost, damping = patch.cost(shape), 1e-2
     for _ in range(_STEPS):

@@ -1,8 +1,9 @@
 """Length and width of a rock, from a depth image and a line across the rock.
 
 The depth at the ends of a rock is the worst of the image: there, a stereo camera has holes, or sees the ground behind.
-So the depth at the endpoints is not used. The plane of the ground is fitted to a ring around the line, and an ellipsoid
-to what stands on it (module `ellipsoid`). Length and width are those of the ellipsoid.
+So the depth at the endpoints is not used. The plane of the ground is fitted to a ring around the line. What stands on
+it must begin and end with the line (modules `segment` and `extent`). An ellipsoid is fitted to it (module `ellipsoid`),
+and the size follows from both (module `rock_size`).
 
 A simpler computation needs no ellipsoid: the rays of the endpoints meet the ground at both ends, and the width is twice
 the extent from there to the camera's side. If a rock is widest above the ground, then the rays meet the ground behind
@@ -17,8 +18,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roverkit.rocks.ellipsoid import DepthPatch, fit_ellipsoid
+from roverkit.rocks.ellipsoid import EllipsoidPatch, fit_ellipsoid
+from roverkit.rocks.extent import extent_of
 from roverkit.rocks.ground import Ground, fit_ground
+from roverkit.rocks.rock_size import length_of, width_of
+from roverkit.rocks.segment import DepthPatch, find_segment
 from roverkit.rocks.unmeasurable import Unmeasurable, UnmeasurableError
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
 
@@ -33,6 +37,8 @@ _INNER, _OUTER = 0.45, 1.0
 """Radii of the ring around the line, as fractions of the line's length."""
 _WIDEST = 0.9
 """Largest distance from the line of pixels to which the rock is fitted, as a fraction of the line's length."""
+_SURROUNDINGS = 1.5
+"""Distance from the line of the pixels that are looked at, as a fraction of its length: a rock may be longer."""
 _LEAST_OUTER = 24.0
 """Least outer radius of the ring in pixels."""
 _GROUND_POINTS, _ROCK_POINTS = 6000, 5000
@@ -49,8 +55,12 @@ class RockSize:
 
     length: float
     """Length in metres along the line, as seen from above."""
+    length_sigma: float
+    """Standard deviation of the length in metres."""
     width: float
     """Width in metres across the line, as seen from above."""
+    width_sigma: float
+    """Standard deviation of the width in metres."""
     ground: Ground
     """Plane of the ground, in the camera's optical frame."""
     valid: float
@@ -65,34 +75,49 @@ def measure(depth: NDArray[np.floating[Any]], camera: CameraParameters, line: Li
     the size cannot be measured.
     """
     ends = _checked(line, depth.shape, camera)
-    pixels, distances = _around(ends, depth.shape)
-    seen = depth[pixels[:, 1], pixels[:, 0]].astype(float)
-    has_depth = np.isfinite(seen) & (seen > 0)
+    patch = _around(ends, depth, camera)
     span = float(np.linalg.norm(ends[1] - ends[0]))
-    inside = distances <= _INNER * span
-    for where, name in ((~inside, "around the line"), (inside, "at the line")):
+    has_depth = patch.depth > 0
+    inside = patch.distances <= _INNER * span
+    ring = ~inside & (patch.distances <= max(_OUTER * span, _LEAST_OUTER))
+    for where, name in ((ring, "around the line"), (inside, "at the line")):
         if (share := float(has_depth[where].mean()) if where.any() else 0.0) < LEAST_DEPTH:
             raise UnmeasurableError(
                 Unmeasurable.LITTLE_DEPTH,
                 f"only {share:.0%} of the pixels {name} have a depth, and {LEAST_DEPTH:.0%} are needed; look at the "
                 "rock from another place or distance",
             )
-    ground = _ground(*_some(camera, pixels, seen, has_depth & ~inside, _GROUND_POINTS))
-    axes, ground_ends = _axes(ground, _directions(camera, ends))
-    directions, depths = _some(camera, pixels, seen, has_depth & (distances <= _WIDEST * span), _ROCK_POINTS)
-    patch = DepthPatch(
-        float(np.linalg.norm(ground_ends[1] - ground_ends[0])),
-        axes @ -ground_ends[0],
-        directions @ axes.T,
-        1 / depths,
-    )
-    size = fit_ellipsoid(patch)
-    if size is None:
-        raise UnmeasurableError(
-            Unmeasurable.NO_ROCK,
-            "nothing stands out of the ground at the line; draw it from one end of a rock to the other",
+    ground = _ground(*_some(patch, has_depth & ring, _GROUND_POINTS))
+    rays = _directions(camera, ends)
+    axes, ground_ends = _axes(ground, rays)
+    segment = find_segment(patch, ground, ring, span)
+    if segment is None:
+        raise _no_rock()
+    extent = extent_of(segment, ground, ends, rays, depth.shape[::-1])
+    others = np.zeros(len(has_depth), bool)
+    others[np.flatnonzero(segment.inside)[~extent.own]] = True
+    directions, depths = _some(patch, has_depth & ~others & (patch.distances <= _WIDEST * span), _ROCK_POINTS)
+    ellipsoid = fit_ellipsoid(
+        EllipsoidPatch(
+            float(np.linalg.norm(ground_ends[1] - ground_ends[0])),
+            axes @ -ground_ends[0],
+            directions @ axes.T,
+            1 / depths,
         )
-    return RockSize(*size, ground, float(has_depth.mean()))
+    )
+    if ellipsoid is None:
+        raise _no_rock()
+    pixel = float(np.linalg.norm(ground_ends.mean(axis=0)) / camera.focal.mean())
+    length, width = length_of(ellipsoid, extent, pixel), width_of(ellipsoid, extent, pixel)
+    near = patch.distances <= max(_OUTER * span, _LEAST_OUTER)
+    return RockSize(*length, *width, ground, float(has_depth[near].mean()))
+
+
+def _no_rock() -> UnmeasurableError:
+    return UnmeasurableError(
+        Unmeasurable.NO_ROCK,
+        "nothing stands out of the ground at the line; draw it from one end of a rock to the other",
+    )
 
 
 def _checked(line: Line, shape: tuple[int, ...], camera: CameraParameters) -> Floats:
@@ -122,29 +147,27 @@ def _text(line: Line) -> str:
     return f"from ({x1:g}, {y1:g}) to ({x2:g}, {y2:g})"
 
 
-def _around(ends: Floats, shape: tuple[int, ...]) -> tuple[NDArray[np.intp], Floats]:
-    """Return the pixels (N, 2) inside the ring's outer radius, and their distances (N,) from the line."""
+def _around(ends: Floats, depth: NDArray[np.floating[Any]], camera: CameraParameters) -> DepthPatch:
+    """Return the part of a depth image around a line."""
     way = ends[1] - ends[0]
-    outer = max(_OUTER * float(np.linalg.norm(way)), _LEAST_OUTER)
+    outer = max(_SURROUNDINGS * float(np.linalg.norm(way)), _LEAST_OUTER)
     low = np.maximum(np.floor(ends.min(axis=0) - outer), 0).astype(int)
-    high = np.minimum(np.ceil(ends.max(axis=0) + outer), (shape[1] - 1, shape[0] - 1)).astype(int)
+    high = np.minimum(np.ceil(ends.max(axis=0) + outer), (depth.shape[1] - 1, depth.shape[0] - 1)).astype(int)
     x, y = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
     pixels = np.stack([x.ravel(), y.ravel()], axis=-1)
-    along = np.clip((pixels - ends[0]) @ way / (way @ way), 0, 1)
-    distances = np.linalg.norm(pixels - ends[0] - along[:, None] * way, axis=1)
-    near = distances <= outer
-    return pixels[near], distances[near]
+    along = (pixels - ends[0]) @ way / (way @ way)
+    distances = np.linalg.norm(pixels - ends[0] - np.clip(along, 0, 1)[:, None] * way, axis=1)
+    seen = depth[pixels[:, 1], pixels[:, 0]].astype(float)
+    directions = _directions(camera, pixels)
+    known = np.isfinite(seen) & (seen > 0) & np.isfinite(directions).all(axis=1)  # the lens model may have no ray
+    return DepthPatch((x.shape[0], x.shape[1]), pixels, directions, np.where(known, seen, 0.0), distances, along)
 
 
-def _some(
-    camera: CameraParameters, pixels: NDArray[np.intp], seen: Floats, mask: NDArray[np.bool_], most: int
-) -> tuple[Floats, Floats]:
+def _some(patch: DepthPatch, mask: NDArray[np.bool_], most: int) -> tuple[Floats, Floats]:
     """Return directions (N, 3) and depths (N,) of the pixels in a mask: every n-th one, not many more than ``most``."""
     indices = np.flatnonzero(mask)
     indices = indices[:: max(len(indices) // most, 1)]
-    directions = _directions(camera, pixels[indices])
-    known = np.isfinite(directions).all(axis=1)  # the lens model may have no ray for a pixel
-    return directions[known], seen[indices][known]
+    return patch.directions[indices], patch.depth[indices]
 
 
 def _directions(camera: CameraParameters, pixels: Floats | NDArray[np.intp]) -> Floats:

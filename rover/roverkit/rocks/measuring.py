@@ -67,7 +67,7 @@ class Answering:
             self._answer(line, data)
 
     def _answer(self, line: Line, request: bytes) -> None:
-        """Measure a line, and publish the result; a failure is published as NaN, and its reason is logged."""
+        """Measure a line, and publish the result, or the reason why there is none."""
         try:
             image = self._camera.image()
             size = measure(image.depth, image.camera, line)
@@ -77,12 +77,13 @@ class Answering:
         except UnmeasurableError as error:
             self._refuse(line, request, error.reason, error)
             return
-        self._publish([self._rows.answer((size.length, size.width), request)])
-        self._logger.info("rock of %.1f x %.1f cm", 100 * size.length, 100 * size.width)
+        self._publish([self._rows.answer(size, request)])
+        centimetres = (100 * one for one in (size.length, size.length_sigma, size.width, size.width_sigma))
+        self._logger.info("rock of %.1f ± %.1f x %.1f ± %.1f cm", *centimetres)
         self._print({"line": line, "stamp": image.stamp, **_as_dict(size)})
 
     def _refuse(self, line: Line, request: bytes, reason: Unmeasurable, error: Exception) -> None:
-        self._publish([self._rows.answer(None, request)])
+        self._publish([self._rows.answer(reason, request)])
         self._logger.warning("no size of the rock (%s): %s", reason.value, error)
         self._print({"line": line, "reason": reason.value, "message": str(error)})
 
@@ -90,7 +91,9 @@ class Answering:
 def _as_dict(size: RockSize) -> dict[str, object]:
     return {
         "length": size.length,
+        "length_sigma": size.length_sigma,
         "width": size.width,
+        "width_sigma": size.width_sigma,
         "valid": size.valid,
         "normal": size.ground.normal.tolist(),
         "height": size.ground.height,

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
-from roverkit.rocks.measurement import Line
-from roverkit.rocks.rocks_declaration import REQUEST, RESULT
+from roverkit.rocks.measurement import Line, RockSize
+from roverkit.rocks.rocks_declaration import FAILURE, REQUEST, RESULT, SIGMAS
+from roverkit.rocks.unmeasurable import Unmeasurable
 from roverlink.runtime import Registry
 from roverlink.runtime.core import cdr
+from roverlink.runtime.core.messages import fields_of
+
+_FAILURE_PREFIX = "ROCK_MEASURE_FAILURE_"
 
 
 class RockRows:
@@ -25,16 +28,22 @@ class RockRows:
         x1, y1, x2, y2 = (float(getattr(message, name)) for name in REQUEST.fields)
         return x1, y1, x2, y2
 
-    def answer(self, size: Sequence[float] | None, request: bytes) -> bytes:
-        """Return the serialized result with a length and a width in metres; without a size, both fields are NaN.
+    def answer(self, found: RockSize | Unmeasurable, request: bytes) -> bytes:
+        """Return the serialized result with a size, or with the reason why there is none.
 
-        If the table says by which field a result belongs to its request, it gets the value of the serialized
-        ``request``.
+        A message without fields for sigmas and reasons gets the sizes alone. If the table says by which field a result
+        belongs to its request, it gets the value of the serialized ``request``.
         """
-        # The message has no field for a failure. 0 is a number, which a page shows as a size and a mean contains. And
-        # without an answer, the operator takes the last one for it.
-        values = (math.nan, math.nan) if size is None else [100 * metres for metres in size]
-        result = self.result.message_type(**dict(zip(RESULT.fields, values)))
+        # Without a size, all are NaN, for who does not know the reasons. 0 is a number, which a page shows as a size
+        # and a mean contains. And without an answer, the operator takes the last one for it.
+        size = None if isinstance(found, Unmeasurable) else found
+        metres = (size.length, size.width, size.length_sigma, size.width_sigma) if size else (math.nan,) * 4
+        values: dict[str, float] = {name: 100 * value for name, value in zip((*RESULT.fields, *SIGMAS), metres)}
+        kind = self.result.message_type
+        if isinstance(found, Unmeasurable):
+            values[FAILURE] = getattr(kind, f"{_FAILURE_PREFIX}{found.name}", 0)
+        known = {field.name for field in fields_of(kind)}
+        result = kind(**{name: value for name, value in values.items() if name in known})
         settings = self._asked.route.request
         if settings is None or not settings.field:
             return cdr.encode(result)

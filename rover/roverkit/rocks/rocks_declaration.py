@@ -14,10 +14,12 @@ REQUEST = RowTopic(
 RESULT = RowTopic(
     "rock_measure_result",
     Direction.PUBLISHED,
-    "length and width of the rock in centimetres",
+    "length and width of the rock in centimetres, with standard deviations, or the reason why there are none",
     inbound=False,
     fields=("length_cm", "width_cm"),
 )
+SIGMAS, FAILURE = ("length_sigma_cm", "width_sigma_cm"), "failure"
+"""Fields that the result of an older table does not have."""
 NODE = NodeDeclaration(
     "rock_measurement",
     (REQUEST, RESULT),

@@ -24,6 +24,10 @@ class Unmeasurable(str, Enum):
     """The ground around the line is no plane, or the camera sees it at too flat an angle."""
     NO_ROCK = "no_rock"
     """At the line, nothing stands out of the ground."""
+    CUT_OFF = "cut_off"
+    """The rock reaches the border of the image."""
+    LINE_MISMATCH = "line_mismatch"
+    """The line does not begin and end where one rock does."""
 
 
 class UnmeasurableError(RoverlinkError):

@@ -17,8 +17,8 @@ from roverlink.runtime.ros_arguments.ros_args import RosArguments
 FIND_S = 20.0
 """Time in seconds in which a sender must be found, and in which it must answer.
 
-If the first announcement of a participant is lost, Cyclone DDS sends the next one after eight seconds (80 % of its lease
-of ten seconds). So there are two more within this time.
+If the first announcement of a participant is lost, Cyclone DDS sends the next one eight seconds later (80 % of its
+lease of ten seconds). So there are two more within this time.
 """
 _SETTLE_S = 1.0  # senders become known one after the other
 _AGAIN_S = 0.5  # a request may be lost before the sender knows us

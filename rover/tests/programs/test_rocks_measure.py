@@ -26,8 +26,11 @@ cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 
 from roverkit.rocks.camera_parameters import CameraTopicParameters  # noqa: E402
+from roverkit.rocks.ground import Ground  # noqa: E402
+from roverkit.rocks.measurement import RockSize  # noqa: E402
 from roverkit.rocks.measuring import Answering  # noqa: E402
 from roverkit.rocks.rock_rows import RockRows  # noqa: E402
+from roverkit.rocks.unmeasurable import Unmeasurable  # noqa: E402
 from roverkit.vision.frames import depth_camera  # noqa: E402
 from roverkit.vision.frames.depth_camera import DepthCamera  # noqa: E402
 
@@ -58,8 +61,11 @@ def _driver(
 
 
 def _is_size(scene: RockScene, result: BasestationRockMeasureResult) -> bool:
-    return result.length_cm == pytest.approx(100 * scene.length, rel=0.04) and result.width_cm == pytest.approx(
-        100 * scene.width, rel=0.08
+    return (
+        result.failure == BasestationRockMeasureResult.ROCK_MEASURE_FAILURE_NONE
+        and result.length_cm == pytest.approx(100 * scene.length, abs=2.5 * result.length_sigma_cm)
+        and result.width_cm == pytest.approx(100 * scene.width, abs=2.5 * result.width_sigma_cm)
+        and result.length_sigma_cm < 0.05 * result.length_cm
     )
 
 
@@ -107,7 +113,9 @@ def test_ros_2_selects_the_camera(scene: RockScene, monkeypatch: pytest.MonkeyPa
         with _driver(measuring.middleware, scene, "/right"):
             wait_until(lambda: _is_size(scene, measuring.answer(scene)), "a size")
         monkeypatch.setattr(depth_camera, "STALLED_S", 0.0)
-        assert math.isnan(measuring.answer(scene).length_cm)
+        answer = measuring.answer(scene)
+        assert all(map(math.isnan, (answer.length_cm, answer.length_sigma_cm, answer.width_sigma_cm)))
+        assert answer.failure == BasestationRockMeasureResult.ROCK_MEASURE_FAILURE_NO_IMAGE
         assert "no size of the rock (no_image)" in measuring.log[-1]
 
 
@@ -153,5 +161,7 @@ def test_an_answer_repeats_the_number_of_its_request(tmp_path: Path) -> None:
     rocks, asked, told = RockRows(registry), *registry.handlers
     request = asked.to_cdr(asked.payload_type(x2=9, id=7))
     assert rocks.line(request) == (0, 0, 9, 0)
-    result = told.from_cdr(rocks.answer((0.5, 0.25), request))
+    size = RockSize(0.5, 0.01, 0.25, 0.02, Ground(np.array([0, -1.0, 0]), 1.0, 1.0), 1.0)
+    result = told.from_cdr(rocks.answer(size, request))
     assert (result.length_cm, result.width_cm, result.id) == (50, 25, 7)
+    assert math.isnan(told.from_cdr(rocks.answer(Unmeasurable.NO_ROCK, request)).length_cm)

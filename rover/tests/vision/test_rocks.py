@@ -32,6 +32,11 @@ def _scene() -> RockScene:
     return next(scenes(1, 4))
 
 
+@cache
+def _angular() -> RockScene:
+    return next(scenes(1, 5, faces=30))
+
+
 def _rays(lens: CameraParameters) -> Any:
     return np.append(lens.undistort(_PIXELS), np.ones((_HEIGHT, _WIDTH, 1)), axis=-1)
 
@@ -61,11 +66,50 @@ def test_a_rendered_rock_has_its_size() -> None:
     """Noise, holes and rounded endpoints included; the ground is the one on which the rock was put."""
     found = measure(_scene().depth, camera(), _scene().line)
     normal, height = _scene().ground
-    assert found.length == pytest.approx(_scene().length, rel=0.04)
-    assert found.width == pytest.approx(_scene().width, rel=0.08)
+    assert found.length == pytest.approx(_scene().length, rel=0.04, abs=2 * found.length_sigma)
+    assert found.width == pytest.approx(_scene().width, rel=0.08, abs=2 * found.width_sigma)
+    assert found.length_sigma < 0.04 * found.length
+    assert found.width_sigma < 0.15 * found.width
     assert found.ground.normal @ normal > np.cos(np.radians(0.3))
     assert found.ground.height == pytest.approx(height, rel=0.01)
     assert 0.5 < found.valid < 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("begin", "end", "reason"),
+    [
+        (0.0, 0.5, Unmeasurable.LINE_MISMATCH),  # half of the rock
+        (-0.25, 1.25, Unmeasurable.LINE_MISMATCH),  # one and a half times too long
+        (1.4, 1.9, Unmeasurable.NO_ROCK),  # beside it
+    ],
+)
+def test_a_line_that_does_not_fit_the_rock_is_refused(begin: float, end: float, reason: Unmeasurable) -> None:
+    """Drawn from one fraction of the right line to another one."""
+    first, last = np.reshape(_angular().line, (2, 2)).astype(float)
+    x1, y1 = first + begin * (last - first)
+    x2, y2 = first + end * (last - first)
+    assert _refused(_angular().depth, (x1, y1, x2, y2)) == reason
+
+
+@pytest.mark.slow
+def test_a_rock_at_the_border_is_refused() -> None:
+    """The image ends in the middle of the rock, where the line then ends, too."""
+    x1, y1, x2, y2 = _angular().line
+    (x1, y1), (x2, y2) = sorted([(x1, y1), (x2, y2)])
+    width = (x1 + x2) // 2
+    lens = CameraParameters(camera().matrix, np.zeros(5), (width, _HEIGHT))
+    line = (x1, y1, width - 1, (y1 + y2) // 2)
+    assert _refused(_angular().depth[:, :width], line, lens) == Unmeasurable.CUT_OFF
+
+
+@pytest.mark.exhaustive
+def test_sigmas_cover_the_errors_of_angular_rocks() -> None:
+    """Polyhedra, slabs and rocks that touch another one: few have no size, and 95 % of the errors are covered."""
+    kinds = [kind for kind, options in rocks.KINDS.items() if "faces" in options]
+    ours = [one for one in rocks.measure_rocks(60, kinds) if one.contestant == OURS]
+    assert min(rocks.covered(ours)) >= 0.9
+    assert np.mean([np.isnan(one.length) for one in ours]) < 0.25
 
 
 @pytest.mark.exhaustive

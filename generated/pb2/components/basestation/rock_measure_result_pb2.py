@@ -26,13 +26,15 @@ _sym_db = _symbol_database.Default()
 
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n0components/basestation/rock_measure_result.proto\"C\n\x1c\x42\x61sestationRockMeasureResult\x12\x11\n\tlength_cm\x18\x01 \x01(\x02\x12\x10\n\x08width_cm\x18\x02 \x01(\x02\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n0components/basestation/rock_measure_result.proto\"\x9a\x01\n\x1c\x42\x61sestationRockMeasureResult\x12\x11\n\tlength_cm\x18\x01 \x01(\x02\x12\x10\n\x08width_cm\x18\x02 \x01(\x02\x12$\n\x07\x66\x61ilure\x18\x03 \x01(\x0e\x32\x13.RockMeasureFailure\x12\x17\n\x0flength_sigma_cm\x18\x04 \x01(\x02\x12\x16\n\x0ewidth_sigma_cm\x18\x05 \x01(\x02*\xff\x02\n\x12RockMeasureFailure\x12\x1d\n\x19ROCK_MEASURE_FAILURE_NONE\x10\x00\x12!\n\x1dROCK_MEASURE_FAILURE_NO_IMAGE\x10\x01\x12&\n\"ROCK_MEASURE_FAILURE_OUTSIDE_IMAGE\x10\x02\x12#\n\x1fROCK_MEASURE_FAILURE_SHORT_LINE\x10\x03\x12$\n ROCK_MEASURE_FAILURE_NOT_ALIGNED\x10\x04\x12%\n!ROCK_MEASURE_FAILURE_LITTLE_DEPTH\x10\x05\x12!\n\x1dROCK_MEASURE_FAILURE_NO_PLANE\x10\x06\x12 \n\x1cROCK_MEASURE_FAILURE_NO_ROCK\x10\x07\x12 \n\x1cROCK_MEASURE_FAILURE_CUT_OFF\x10\x08\x12&\n\"ROCK_MEASURE_FAILURE_LINE_MISMATCH\x10\tb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'generated.pb2.components.basestation.rock_measure_result_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_BASESTATIONROCKMEASURERESULT']._serialized_start=52
-  _globals['_BASESTATIONROCKMEASURERESULT']._serialized_end=119
+  _globals['_ROCKMEASUREFAILURE']._serialized_start=210
+  _globals['_ROCKMEASUREFAILURE']._serialized_end=593
+  _globals['_BASESTATIONROCKMEASURERESULT']._serialized_start=53
+  _globals['_BASESTATIONROCKMEASURERESULT']._serialized_end=207
 # @@protoc_insertion_point(module_scope)
