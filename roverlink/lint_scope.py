@@ -119,7 +119,7 @@ def reported(found: Linted, *, with_known: bool = False) -> Reported:
     from roverlink.generator.lint.rules import lint_rules
 
     pinned = found.context.past.pinned if found.context.past else None
-    return Reported("roverlink lint", found.findings, sources(found), lint_rules(), pinned, with_known)
+    return Reported("roverlink lint", found.findings, sources(found), lint_rules(), pinned, with_known=with_known)
 
 
 def print_limits(found: Linted, owner: str) -> int:

@@ -56,7 +56,7 @@ class Fit:
 
 def measure(say: Callable[[str], None], folder: Path = PHOTOS) -> SectionResult:
     """Measure all contestants on the photographs in a folder."""
-    tables, found, fits = [], list[Found](), list[Fit]()
+    tables, found, fits = list[Table](), list[Found](), list[Fit]()
     if not folder.is_dir():
         say(f"photographs: left out, because the folder {folder} is missing")
         return SectionResult(tables, (), {})
@@ -147,7 +147,7 @@ def _calibrated(seen: list[Corners], guess: CameraParameters) -> tuple[CameraPar
         if numbers := _on_board(corners):
             objects.append(np.concatenate([_place(number) for number in numbers]).astype(np.float32))
             images.append(np.concatenate([corners[number] for number in numbers]).astype(np.float32))
-    rms, matrix, distortion, *_ = cv2.calibrateCamera(objects, images, guess.size, None, None)  # type: ignore[call-overload, arg-type]  # the stubs demand arrays that may be None
+    rms, matrix, distortion, *_ = cv2.calibrateCamera(objects, images, guess.size, None, None)
     return CameraParameters(matrix, np.ravel(distortion)[:5], guess.size), float(rms)
 
 
