@@ -5,8 +5,9 @@ the largest total overlap joins boxes and predictions, first for certain detecti
 a certain detection begins a track. A certain detection that joins no prediction may join the last box of a track: when
 the camera jerks, predictions are wrong.
 
-Measured in November 2026 with public detections: PointRCNN's of the 21 sequences of KITTI (as AB3DMOT has them; the
-logistic function makes confidences of them), and those of SORT for TUD-Campus and TUD-Stadtmitte. IDF1 and switches of numbers, with each
+Measured in November 2026 with public detections: PointRCNN's of the 21 sequences of KITTI, as AB3DMOT has them (the
+logistic function makes confidences of them), and those of SORT for TUD-Campus and TUD-Stadtmitte.
+IDF1 and switches of numbers, with each
 frame and with each third:
 
 | tracker                                 | each frame | each third |
