@@ -42,8 +42,6 @@ except ImportError as error:
         f"the tracking of objects needs SciPy ({error}); install it with `pip install 'scipy>=1.11'`"
     ) from error
 
-CERTAIN = 0.7
-"""Default of the confidence from which a detection can begin a track."""
 CONFIRMED = 2
 """Number of detections after which a track counts as an object; a single one may be an error of the detector."""
 FORGOTTEN_NS = 1_000_000_000
@@ -117,7 +115,7 @@ class _Track:
 class ObjectTracker:
     """Gives the objects in the frames of one camera their numbers. Not thread-safe."""
 
-    def __init__(self, first: int = 1, certain: float = CERTAIN) -> None:
+    def __init__(self, first: int = 1, certain: float = 0.7) -> None:
         """Track nothing yet; `first` is the number of the first object.
 
         A detection with the confidence `certain` can begin a track.
