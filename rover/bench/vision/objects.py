@@ -67,7 +67,7 @@ class NearestOverlap:
 
 
 CONTESTANTS: Mapping[str, Callable[[], Tracker]] = {
-    "roverlink": ObjectTracker,
+    "roverlink": lambda: ObjectTracker(certain=ObjectDetector(PATH).certain),
     "nearest overlap with the last frame": NearestOverlap,
 }
 

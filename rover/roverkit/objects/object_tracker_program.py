@@ -90,7 +90,8 @@ def track(arguments: argparse.Namespace, ros: RosArguments, logger: logging.Logg
             stack.enter_context(publish_log(logger, connection.middleware, ros))
             outputs += _publishers(arguments, classes, detector.class_names, connection, logger)
         log = stack.enter_context(ObjectLog(logger, connection.clock))
-        tracker = ObjectTracker(_first_number() if arguments.middleware else 1, arguments.certain)
+        certain = detector.certain if arguments.certain is None else arguments.certain
+        tracker = ObjectTracker(_first_number() if arguments.middleware else 1, certain)
         for frame in with_progress(_frames(source, arguments, connection), [source], arguments):
             objects = tracker.track(detector.detect(frame.image), frame.stamp)
             result = ObjectResult(frame, objects, _locations(objects, frame, depth))

@@ -44,9 +44,9 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--certain",
         type=share,
-        default=0.7,
         metavar="S",
-        help="confidence from which a detection is the first of an object (default: %(default)g)",
+        help="confidence from which a detection is the first of an object (default: 0.7, or 0.5 for a network of "
+        "`roverlink objects train`)",
     )
     add_outputs(parser, "objects")
     add_project(parser)

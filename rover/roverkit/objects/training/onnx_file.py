@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from roverkit.objects.detector import AUTHOR
 from roverkit.objects.training.jax_network import EPSILON
 from roverkit.objects.training.libraries import onnx
 from roverkit.objects.training.network import BOX, SIZE_UNIT, STRIDE, network
 from roverlink.runtime.core.errors import SetupError
 
-AUTHOR = "roverlink"
-"""Value of `author` in the metadata of a file that this module has written."""
 _OPSET, _IR = 13, 8  # what ONNX Runtime of 2022 can read
 _LARGEST = 6.0
 """Largest logarithm of a size: exp(6) * 16 pixels is larger than any input."""
