@@ -47,8 +47,15 @@ class MarkerBatch:
 
     def only(self, chosen: NDArray[np.intp]) -> MarkerBatch:
         """Return a batch with only some of the markers."""
-        arrays = (self.differences, self.places, self.across_u, self.real)
-        return MarkerBatch(*(part[chosen] for part in arrays), self.half, self.centre[chosen], self.scale[chosen])
+        return MarkerBatch(
+            self.differences[chosen],
+            self.places[chosen],
+            self.across_u[chosen],
+            self.real[chosen],
+            self.half,
+            self.centre[chosen],
+            self.scale[chosen],
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

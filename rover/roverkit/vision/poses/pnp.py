@@ -312,7 +312,7 @@ def with_all_errors(
         covariance = (covariance + np.swapaxes(covariance, 1, 2)) / 2
         for owner in owners:
             mine = [row for row, (other, _) in enumerate(rows) if other == owner]
-            factor = _excess(float(chi2[mine].min()), seen[owner])
+            factor = _excess(float(np.min(chi2[mine])), seen[owner])
             known = [
                 replace(rows[row][1], covariance=factor * covariance[row], chi2=float(chi2[row]) / factor)
                 for row in mine
