@@ -183,7 +183,7 @@ def test_a_message_that_ros_2_lacks_is_left_out(node: MemoryMiddleware, monkeypa
     """With rclpy and a package of messages that is not built, tracking goes on without the position, and says so."""
     said: list[str] = []
 
-    def missing(*_: object) -> NoReturn:
+    def missing(*_: object, **__: object) -> NoReturn:
         raise MiddlewareError("comms/msg/BasestationRoverLocalization is not installed")
 
     monkeypatch.setattr(node, "publisher", missing)

@@ -19,7 +19,7 @@ from roverkit.vision.opencv import cv2
 
 EXPLAINED = 0.75
 """Least share of the pixels' variance that a marker's pattern must explain; patterns that are no markers stay below."""
-DOUBTFUL_EXPLAINED = 0.85
+DOUBTFUL_EXPLAINED = 0.9
 """The same for a marker that was read with many wrong cells."""
 CONTRAST = 8.0
 """Least difference between white and black of a marker, in grey levels."""

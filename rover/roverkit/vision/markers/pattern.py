@@ -193,7 +193,7 @@ def _blur_along_axes(by_pixel: Floats, blur: Floats) -> _Blur:
 def _window(differences: Floats, places: Floats, blur: _Blur) -> _Window:
     """Return the modules around each pixel; their number follows from the largest blur."""
     markers, lines, _ = differences.shape
-    widest = float(np.max(np.nan_to_num(blur.sigma, nan=np.inf, posinf=np.inf), initial=0))
+    widest = float(np.max(np.nan_to_num(blur.sigma, nan=np.inf, posinf=np.inf)))
     width = min(max(math.ceil(2 * _SATURATED * widest), 1), lines) if widest < lines else lines
     first = np.clip(np.rint(np.nan_to_num(places) - (width - 1) / 2), 0, lines - width).astype(np.intp)
     # the sum of the mixed differences above and to the left of a module is its value

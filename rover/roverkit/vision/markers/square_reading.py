@@ -21,7 +21,7 @@ _NEAR = (-0.2, 0.0, 0.2)
 """Distances of the points from the centre of a cell, along both sides, in cells."""
 _CONTRAST = 8.0
 """Least difference between the means of white and black cells, in grey levels."""
-_CHANCE = 0.1
+_CHANCE = 0.01
 """Largest share of the squares with random cells that are read as a marker; the edge fit then rejects them."""
 _BORDER = 0.2
 """Largest share of the cells of the black border that may be white, because something covers them."""
