@@ -123,7 +123,7 @@ class Polyhedron:
         """Return the two corners that are farthest apart, as seen from above."""
         corners = self.surface()
         apart = np.linalg.norm(corners[:, None, :2] - corners[None, :, :2], axis=-1)
-        return corners[list(np.unravel_index(int(apart.argmax()), apart.shape))]
+        return corners[list(np.unravel_index(int(np.argmax(apart)), apart.shape))]
 
     def surface(self) -> Floats:
         """Return the corners: where three planes meet, and no other one cuts the point off."""
