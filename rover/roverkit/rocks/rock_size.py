@@ -56,12 +56,15 @@ def length_of(ellipsoid: Ellipsoid, extent: Extent, pixel: float) -> Measured:
 def width_of(ellipsoid: Ellipsoid, extent: Extent, pixel: float) -> Measured:
     """Return the width in metres; ``pixel`` is the size of a pixel at the rock in metres."""
     seen, limit = extent.width
+    angular = _angular(ellipsoid)
     one = Measured(
-        min(_HIDDEN * seen, _TRIMMED * limit), math.hypot(_SEEN_SIGMA * seen, _SHADOW_SIGMA * min(limit - seen, seen))
+        min(_HIDDEN * seen, _TRIMMED * limit),
+        # The back of a smooth rock is rounder, and more of it is hidden.
+        (2 - angular) * math.hypot(_SEEN_SIGMA * seen, _SHADOW_SIGMA * min(limit - seen, seen)),
     )
     fitted = ellipsoid.width
     spread = fitted * (_WIDTH_FIT + _WIDTH_FACES * max(ellipsoid.misfit - 1, 0.0))
-    other = Measured(fitted * (1 + _ROUND * _angular(ellipsoid)), spread)
+    other = Measured(fitted * (1 + _ROUND * angular), spread)
     weight = other.sigma**2 / (one.sigma**2 + other.sigma**2)
     disagreement = 2 * math.sqrt(weight * (1 - weight)) * abs(one.value - other.value)
     width = weight * one.value + (1 - weight) * other.value

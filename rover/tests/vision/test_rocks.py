@@ -109,7 +109,7 @@ def test_sigmas_cover_the_errors_of_angular_rocks() -> None:
     kinds = [kind for kind, options in rocks.KINDS.items() if "faces" in options]
     ours = [one for one in rocks.measure_rocks(60, kinds) if one.contestant == OURS]
     assert min(rocks.covered(ours)) >= 0.9
-    assert np.mean([np.isnan(one.length) for one in ours]) < 0.25
+    assert np.mean([np.isnan(one.length) for one in ours]) < 0.35
 
 
 @pytest.mark.exhaustive
