@@ -7,6 +7,7 @@ import math
 import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -43,8 +44,8 @@ def _judge(drive: Drive, noise: Noise) -> tuple[Sequence[str], str]:
     return (drive.name, f"{len(times) / len(drive.times):.0%}", *scores), f"{drive.name}: {noise}; {said}"
 
 
-def judged(drives: Sequence[Drive], progress: Console) -> list[Sequence[str]]:
-    """Judge drives.
+def judged(drives: Sequence[Drive], longest: float, progress: Console) -> list[Sequence[str]]:
+    """Judge drives up to a time in seconds.
 
     The errors of the sensors of a robot are those of its other drives; without one, those of the other robots.
     """
@@ -53,7 +54,7 @@ def judged(drives: Sequence[Drive], progress: Console) -> list[Sequence[str]]:
         others = [one for one in drives if one is not drive]
         noises.append(calibrated([one for one in others if one.robot == drive.robot] or others or [drive]))
     with ProcessPoolExecutor() as pool:
-        rows, told = zip(*pool.map(_judge, drives, noises))
+        rows, told = zip(*pool.map(_judge, [replace(drive, longest=longest) for drive in drives], noises))
     for one in told:
         progress.print(one)
     return list(rows)
@@ -69,12 +70,19 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--mrclam", nargs="+", type=Path, default=[], metavar="FOLDER", help="folders of MRCLAM")
     parser.add_argument("--smartloc", nargs="+", type=Path, default=[], metavar="FILE", help="inputs of smartLoc")
     parser.add_argument("--simulated", type=int, default=0, metavar="COUNT", help="number of simulated drives")
+    parser.add_argument(
+        "--seconds", type=float, default=math.inf, help="longest time of a recorded drive (default: all)"
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the tables to FILE")
     options = parser.parse_args(words)
     progress = Console(stderr=True, highlight=False, markup=False)
     recorded = [drive for folder in options.mrclam for drive in mrclam(folder)]
     cities = [drive for path in options.smartloc for drive in smartloc(path)]
-    groups = [Group(name, judged(one, progress)) for name, one in (("MRCLAM", recorded), ("smartLoc", cities)) if one]
+    groups = [
+        Group(name, judged(one, options.seconds, progress))
+        for name, one in (("MRCLAM", recorded), ("smartLoc", cities))
+        if one
+    ]
     columns = ("drive", "time with\na pose", "fuse\nRMSE, m", "NEES", "filter\nRMSE, m", "NEES")
     tables = [Table("Recorded drives", columns, groups)]
     if options.simulated:

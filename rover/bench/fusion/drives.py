@@ -79,6 +79,8 @@ class Drive:
     """Range and bearing by the landmark and the time."""
     fixes: Mapping[float, Fix] = field(default_factory=dict)
     datum: tuple[float, float] | None = None
+    longest: float = math.inf
+    """Time after which the drive ends."""
 
     @cached_property
     def _ways(self) -> Floats:
@@ -105,7 +107,7 @@ class Drive:
     @property
     def times(self) -> Floats:
         """Times of odometry, from the start on."""
-        end = min(self.odometry[-1, 0], self.truth[-1, 0])
+        end = min(self.odometry[-1, 0], self.truth[-1, 0], self.start + self.longest)
         return np.arange(self.start, end, PERIOD_S)
 
 
