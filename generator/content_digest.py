@@ -14,6 +14,8 @@ from typing import Any
 
 import yaml
 
+from roverlink import bounded_files
+
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # PyYAML may be built without the fast one
 _LENGTH = 16  # hexadecimal digits: 64 bits, because nobody attacks a file of his own
 _PROTO_TOKEN = re.compile(
@@ -37,7 +39,7 @@ def text_at(table: Path, *keys: str) -> str:
     The generator's reader of tables checks the whole table, which takes as long as all other steps of a start.
     """
     try:
-        node: Any = yaml.compose(table.read_bytes(), _LOADER)
+        node: Any = yaml.compose(bounded_files.read(table), _LOADER)
         for key in keys:
             node = next(value for name, value in node.value if name.value == key)
     except (OSError, yaml.YAMLError, StopIteration, AttributeError, TypeError, ValueError, RecursionError):
