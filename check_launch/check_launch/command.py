@@ -25,6 +25,8 @@ from pathlib import Path
 
 from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, read_catalogue
 from check_launch.expansion.child_process import DEFAULT_LIMITS, Limits
+from check_launch.expansion.launch_context import Packages
+from check_launch.extraction.workspace import with_workspace
 from check_launch.graph.system_drawing import graph_of
 from check_launch.own_programs import with_own_programs
 from check_launch.rules.checking import Checked, Checker, files_to_check
@@ -71,6 +73,12 @@ def add(commands: Subparsers) -> None:
         "PATH, and an installed ROS 2)",
     )
     parser.add_argument(
+        "--catalogue",
+        type=Path,
+        metavar="FILE",
+        help="keep what was read from the sources of the workspace in this file (default: in the user's cache)",
+    )
+    parser.add_argument(
         "--time-limit",
         type=seconds,
         default=DEFAULT_LIMITS.seconds,
@@ -88,7 +96,7 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Check the files, print the findings, and return the exit code."""
     paths = [Path(text) for text in arguments.paths if _SET not in text]
-    catalogue = with_own_programs(read_catalogue(arguments.distribution), _table_file(paths))
+    catalogue = read_catalogue(arguments.distribution)
     if arguments.list:
         for name, package in catalogue.packages.items():
             source = catalogue.sources[package.source]
@@ -102,7 +110,9 @@ def run(arguments: argparse.Namespace) -> int:
     files = list(files_to_check(paths, missing.append))
     if missing:
         raise SetupError(f"{missing[0]}: there is no launch file, and no file with parameters of ROS 2 nodes")
-    packages = [*arguments.packages, *_tops(files)]
+    packages = Packages([*arguments.packages, *_tops(files)])
+    catalogue = with_workspace(catalogue, packages.folders, arguments.catalogue)
+    catalogue = with_own_programs(catalogue, _table_file(paths))
     values = dict(text.split(_SET, 1) for text in arguments.paths if _SET in text)
     limits = Limits(seconds=arguments.time_limit)
     checked = Checker(catalogue, packages, arguments.complete, limits).check(files, values)

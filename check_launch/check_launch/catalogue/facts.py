@@ -81,6 +81,9 @@ class SubNode:
     name: str
     namespace: str
     class_name: str
+    """Name of the class; empty if a parameter of the node names the plugin."""
+    type_parameter: str = ""
+    """Pattern of the parameters that name plugins, ``{*}.type`` for a node x with the type in ``x.type``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +124,8 @@ class NodeClass:
     An option that ends with a colon stands before its value in one word: ``topic:NAME``."""
     topic_patterns: tuple[str, ...] = ()
     """Names of topics that the node may have, too, with ``{*}`` for any text."""
+    is_partial: bool = False
+    """True if the sources may have more parameters and topics than these."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +161,8 @@ class Package:
     components: tuple[str, ...]
     launch_files: Mapping[str, Any]
     """Descriptions of the package's launch files by their paths in its share folder (see `expansion.stored`)."""
+    is_partial: bool = False
+    """True if the package may have more executables and components than these."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from check_launch.expansion.actions import (
@@ -33,6 +34,7 @@ from check_launch.expansion.child_process import DEFAULT_LIMITS, ChildEndedError
 from check_launch.expansion.declarative_files import read_declarative
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.launch_context import Context, Packages, package_of_share
+from check_launch.expansion.launch_imports import Ignored
 from check_launch.expansion.parameter_files import (
     UNKNOWN,
     GivenValue,
@@ -150,14 +152,16 @@ class Expander:
         stored: Mapping[tuple[str, str], Any],
         known: Collection[str],
         limits: Limits = DEFAULT_LIMITS,
+        environment: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """``shown`` returns the name of a file in messages.
 
         ``stored`` are descriptions of launch files, by their packages and paths. ``known`` are packages of which it is
         no news that they are not there. ``limits`` are those of the processes in which launch files run.
+        ``environment`` has the variables that the rover's computer is known to have.
         """
         self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
-        self._limits = limits
+        self._limits, self.environment = limits, environment
         self._declarative: dict[str, tuple[list[Action], list[Diagnostic]]] = {}
         self._python: dict[str, PythonFile] = {}
         self._parameter_files: dict[str, ParameterFile] = {}
@@ -222,7 +226,7 @@ class Expander:
     def python(self, path: str) -> PythonFile:
         """Return a Python launch file. Raises `UnreadableFileError`."""
         if path not in self._python:
-            self._python[path] = PythonFile(Path(path), self._shown(path), self._packages)
+            self._python[path] = PythonFile(Path(path), self._shown(path), self._packages, self.environment)
         return self._python[path]
 
     def sections(self, path: str, text_of: Callable[[str], str | None] | None) -> list[Section]:
@@ -252,7 +256,7 @@ class _Run:
 
     def __init__(self, expander: Expander, packages: Packages, arguments: Mapping[str, str | None]) -> None:
         self._expander = expander
-        self.context = Context(packages, dict(arguments))
+        self.context = Context(packages, dict(arguments), dict(expander.environment))
         self.result = Expansion(dict(arguments))
         self._depth = self._includes = 0
         self._path = ""  # path of the launch file whose actions are expanded
@@ -624,7 +628,7 @@ def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | No
         for side, other in ((text.left, text.right), (text.right, text.left)):
             if isinstance(side, LaunchConfiguration) and isinstance(side.variable_name, str):
                 yield side.variable_name, other if isinstance(other, str) else None
-    else:
+    elif not isinstance(text, Ignored):
         for name in ("left", "right", "value", "condition"):
             if hasattr(text, name) and not isinstance(text, str):
                 yield from _arguments_in(getattr(text, name), True)

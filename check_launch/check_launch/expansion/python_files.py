@@ -6,9 +6,10 @@ import ast
 import os
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from check_launch.expansion import real_launch
@@ -35,8 +36,13 @@ class NeedsMoreError(Exception):
 class PythonFile:
     """A Python launch file, whose functions can be called."""
 
-    def __init__(self, path: Path, shown: str, packages: Packages) -> None:
-        """Read the file, without running it. Raises `UnreadableFileError`."""
+    def __init__(
+        self, path: Path, shown: str, packages: Packages, environment: Mapping[str, str] = MappingProxyType({})
+    ) -> None:
+        """Read the file, without running it. Raises `UnreadableFileError`.
+
+        ``environment`` has the variables that the rover's computer is known to have.
+        """
         self._path, self._shown, self._packages = path, shown, packages
         self._stand_ins = StandIns(path, shown, packages)
         self._tree = _parsed(path, shown)
@@ -44,7 +50,7 @@ class PythonFile:
             raise UnreadableFileError(Span(shown), f"the file has no function {_FUNCTION}")
         self._stand_ins.read(self._tree)
         self._missing: dict[str, int] = {}
-        self._environment = _Environment(str(path))
+        self._environment = _Environment(str(path), environment)
 
     def actions(self) -> list[Action]:
         """Run the file, and return its actions. Raises `UnreadableFileError` or `NeedsMoreError`."""
@@ -132,8 +138,8 @@ class PythonFile:
 class _Environment(dict[str, str]):
     """The variables of the environment for a launch file; those that are not set are known at run time only."""
 
-    def __init__(self, file: str) -> None:
-        super().__init__(os.environ)
+    def __init__(self, file: str, known: Mapping[str, str]) -> None:
+        super().__init__({**os.environ, **known})
         self._file = file
         self.missing: list[str] = []
         """Variables that the launch file has asked for, and that are not set."""

@@ -9,6 +9,7 @@ accepts everything and starts nothing.
 from __future__ import annotations
 
 import ast
+import os
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -253,7 +254,7 @@ class StandIns:
 
         class LaunchContext(Context):
             def __init__(self, **_: Any) -> None:
-                Context.__init__(self, packages)
+                Context.__init__(self, packages, environment=dict(os.environ))
 
         own = (
             {}  # what a launch file derives its own classes from

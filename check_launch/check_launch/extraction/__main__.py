@@ -9,7 +9,7 @@ from pathlib import Path
 
 from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, file_of, text_of
 from check_launch.catalogue.facts import Source
-from check_launch.extraction.assembling import Assembler, Checkout
+from check_launch.extraction.assembling import Assembler, Checkout, packages_in
 from check_launch.extraction.launch_files import launch_files_of
 from check_launch.extraction.supplement import read_supplement
 from roverlink.runtime.atomic_files import write_whole
@@ -42,7 +42,7 @@ def _checkout(folder: Path) -> Checkout:
     # Whoever maintains the catalogue has chosen the folder; git comes from the PATH, as for other commands.
     done = subprocess.run(log, check=True, capture_output=True, text=True)  # noqa: S603
     commit, date = done.stdout.split()
-    return Checkout(folder.name, folder, Source(folder.name, commit, date))
+    return Checkout(folder.name, folder, Source(folder.name, commit, date), packages_in(folder))
 
 
 if __name__ == "__main__":

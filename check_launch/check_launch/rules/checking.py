@@ -52,9 +52,9 @@ class Checker:
     """Checks files with the facts of a catalogue."""
 
     def __init__(
-        self, catalogue: Catalogue, packages: Iterable[Path], complete: bool = False, limits: Limits = DEFAULT_LIMITS
+        self, catalogue: Catalogue, packages: Packages, complete: bool = False, limits: Limits = DEFAULT_LIMITS
     ) -> None:
-        """``packages`` are folders with packages; ``complete`` says that each launch file starts everything.
+        """``packages`` are those of the source trees; ``complete`` says that each launch file starts everything.
 
         ``limits`` are those of the processes in which launch files run.
         """
@@ -74,7 +74,8 @@ class Checker:
         ]
         # Launch files may change the current folder of the process in which they run.
         shown = partial(shown_path, start=os.getcwd())
-        self._expander = Expander(Packages(packages), shown, stored, catalogue.packages, limits)
+        environment = {"ROS_DISTRO": catalogue.distribution, "ROS_VERSION": "2"}
+        self._expander = Expander(packages, shown, stored, catalogue.packages, limits, environment)
 
     def check(self, files: Iterable[Path], arguments: Mapping[str, str]) -> Checked:
         """Check launch files with some values of their arguments, and parameter files."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -114,17 +115,34 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
         system.nodes.append(node)
         for inner in facts.nodes if facts else ():
             inner_facts = catalogue.classes.get(inner.class_name)
-            system.nodes.append(
-                RunningNode(started, inner_facts, inner.name, joined(node.namespace, inner.namespace), is_inner=True)
-            )
-    for node in system.nodes:
+            if not inner.type_parameter:
+                system.nodes.append(
+                    RunningNode(
+                        started, inner_facts, inner.name, joined(node.namespace, inner.namespace), is_inner=True
+                    )
+                )
+    for node in system.nodes:  # grows: a node may load others
         if node.facts is not None:
             _complete(node, node.facts, catalogue)
+            system.nodes += _loaded_nodes(node, catalogue)
     for node in system.nodes:
         node.transforms = list(_with_frames_of_topics(node, system))
         if node.facts is not None and node.facts.has_open_topics:
             _complete_rviz(node, catalogue, system)
     return system
+
+
+def _loaded_nodes(node: RunningNode, catalogue: Catalogue) -> Iterator[RunningNode]:
+    """Yield the nodes that a node creates for plugins that its parameters name, such as a controller manager."""
+    for inner in node.facts.nodes if node.facts else ():
+        if not inner.type_parameter or node.view is None:
+            continue
+        pattern = re.compile(re.escape(inner.type_parameter).replace(r"\{\*\}", r"([^.]+)"))
+        for name, given in node.view.given.items():
+            if match := pattern.fullmatch(name):
+                plugin = catalogue.plugins.get(str(given.value))
+                facts = catalogue.classes.get(plugin.class_name) if plugin else None
+                yield RunningNode(node.started, facts, match[1], node.namespace, is_inner=True)
 
 
 def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> None:
@@ -206,6 +224,9 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
                 UnknownPackage.at(at, f"the package '{package}' is not in the catalogue; its nodes are not checked")
             )
         return None
+    if known.is_partial and not (started.plugin or executable in known.executables):
+        system.has_unknown = True
+        return None
     if started.plugin:
         return _component(started.plugin, known, catalogue, system, at)
     if executable is None or executable not in known.executables:
@@ -217,14 +238,16 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
         system.has_unknown = True
         return None
     facts = catalogue.classes.get(known.executables[executable])
-    if facts is None:
+    if facts is None or facts.is_partial:
         system.has_unknown = True
     return facts
 
 
 def _component(plugin: str, package: Package, catalogue: Catalogue, system: System, at: Span) -> NodeClass | None:
-    if plugin in package.components:
-        return catalogue.classes.get(plugin)
+    if plugin in package.components or package.is_partial:
+        facts = catalogue.classes.get(plugin)
+        system.has_unknown |= facts is None or facts.is_partial
+        return facts
     names = ", ".join(package.components) or "none"
     help = did_you_mean(nearest(plugin, package.components), f"nodes of {package.name} for containers: {names}")
     system.findings.append(
