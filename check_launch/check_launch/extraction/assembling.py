@@ -46,6 +46,10 @@ class Checkout:
     source: Source
     packages: Mapping[str, Path]
     """Folders of its packages, by their names."""
+    is_supplemented: bool = True
+    """False if supplement.yaml does not state what the program does not understand of these packages.
+
+    Then classes that may have more parameters or topics, and packages that may have more executables, are marked."""
 
 
 def packages_in(folder: Path) -> dict[str, Path]:
@@ -69,14 +73,9 @@ class Assembler:
         checkouts: Iterable[Checkout],
         supplement: Supplement,
         read: Callable[[Path], PackageFacts] = read_package,
-        notes_partial: bool = False,
     ) -> None:
-        """``read`` returns the facts of the package in a folder.
-
-        ``notes_partial`` marks classes that may have more parameters or topics than were understood. For the packages
-        of the catalogue, the supplement has the rest.
-        """
-        self._supplement, self._notes_partial = supplement, notes_partial
+        """``read`` returns the facts of the package in a folder."""
+        self._supplement = supplement
         self._packages: dict[str, tuple[Path, Checkout]] = {}
         self._facts: dict[str, PackageFacts] = {}
         self._classes: dict[str, ClassFacts] = {}
@@ -84,6 +83,7 @@ class Assembler:
         self.unexplained: set[str] = set()
         """Names of parameters with variables that supplement.yaml has to explain."""
         self._partial: set[str] = set()
+        self._with_marks: set[str] = set()  # classes of packages that the supplement does not complete
         self._sources: dict[str, Source] = {}
         self._of_plugins: set[str] = set()
         self._distribution = ""
@@ -93,10 +93,12 @@ class Assembler:
                 self._sets["rtabmap"] = core_parameters(checkout.folder)
             for name, folder in checkout.packages.items():
                 self._packages[name] = folder, checkout
-        for package, (folder, _) in self._packages.items():
+        for package, (folder, checkout) in self._packages.items():
             self._facts[package] = read(folder) if package != "rtabmap" else PackageFacts()
             for class_name, of_class in self._facts[package].classes.items():
                 self._classes.setdefault(class_name, of_class)
+                if not checkout.is_supplemented:
+                    self._with_marks.add(class_name)
         self._short: dict[str, list[str]] = {}
         for class_name in self._classes:
             self._short.setdefault(class_name.rpartition("::")[2], []).append(class_name)
@@ -109,7 +111,7 @@ class Assembler:
         wanted = {
             name for package in packages.values() for name in (*package.executables.values(), *package.components)
         }
-        wanted |= {node["class"] for nodes in self._supplement.nodes.values() for node in nodes}
+        wanted |= {node.get("class", "") for nodes in self._supplement.nodes.values() for node in nodes}
         of_plugins = self._of_plugins = {plugin.class_name for plugin in plugins.values()}
         self._distribution = distribution
         classes = {
@@ -123,7 +125,9 @@ class Assembler:
             {
                 name: package
                 for name, package in packages.items()
-                if self._notes_partial or _is_useful(package, name, plugins) or name in self._sets
+                if not self._packages[name][1].is_supplemented
+                or _is_useful(package, name, plugins)
+                or name in self._sets
             },
             {name: facts for name, facts in classes.items() if facts},
             dict(sorted(plugins.items())),
@@ -154,7 +158,7 @@ class Assembler:
             {**programs, **stated},
             components,
             dict(launch_files),
-            facts.is_partial and self._notes_partial,
+            facts.is_partial and not self._packages[name][1].is_supplemented,
         )
 
     def _add_programs_without_class(self) -> None:
@@ -223,7 +227,12 @@ class Assembler:
                 if slot["parameter"] in parameters
             ),
             tuple(
-                SubNode(node["name"], node["namespace"], node["class"])
+                SubNode(
+                    node.get("name", ""),
+                    node.get("namespace", ""),
+                    node.get("class", ""),
+                    node.get("type_parameter", ""),
+                )
                 for member in names
                 for node in self._supplement.nodes.get(member, [])
             ),
@@ -240,7 +249,7 @@ class Assembler:
             ),
             name in self._supplement.open_topics,
             next((arguments for member in names if (arguments := self._supplement.arguments.get(member))), {}),
-            is_partial=self._notes_partial and any(map(self._is_partial, names)),
+            is_partial=name in self._with_marks and any(map(self._is_partial, names)),
         )
 
     def _is_partial(self, name: str) -> bool:

@@ -36,11 +36,13 @@ def with_workspace(catalogue: Catalogue, folders: Mapping[str, Path], file: Path
     if not folders:
         return catalogue
     kept = _KeptFacts(Path(os.path.commonpath(list(folders.values()))), file)
-    checkout = Checkout(WORKSPACE_SOURCE, Path(), Source(WORKSPACE_SOURCE, "", ""), folders)
-    own = Assembler([checkout], read_supplement(), kept.read, notes_partial=True).catalogue(catalogue.distribution, {})
+    checkout = Checkout(WORKSPACE_SOURCE, Path(), Source(WORKSPACE_SOURCE, "", ""), folders, is_supplemented=False)
+    own = Assembler([checkout], read_supplement(), kept.read).catalogue(catalogue.distribution, {})
     kept.save()
     names = {plugin.class_name for plugin in own.plugins.values()}
-    names |= {name for package in own.packages.values() for name in (*package.executables.values(), *package.components)}
+    names |= {
+        name for package in own.packages.values() for name in (*package.executables.values(), *package.components)
+    }
     return replace(
         catalogue,
         sources={**catalogue.sources, **own.sources},
