@@ -27,7 +27,7 @@ from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, read_catalogue
 from check_launch.expansion.child_process import DEFAULT_LIMITS, Limits
 from check_launch.expansion.launch_context import Packages
 from check_launch.extraction.workspace import with_workspace
-from check_launch.graph.system_drawing import graph_of
+from check_launch.graph.system_drawing import dot_of, svg_of
 from check_launch.own_programs import with_own_programs
 from check_launch.rules.checking import Checked, Checker, files_to_check
 from check_launch.rules.launch_rules import launch_rules
@@ -85,7 +85,12 @@ def add(commands: Subparsers) -> None:
         metavar="SECONDS",
         help="longest time for a launch file with one value of its arguments (default: %(default)g)",
     )
-    parser.add_argument("--graph", type=Path, metavar="FILE", help="draw nodes, topics and frames into this SVG file")
+    parser.add_argument(
+        "--graph",
+        type=Path,
+        metavar="FILE",
+        help="draw nodes, topics and frames into this SVG file with Graphviz, or write FILE.dot for it",
+    )
     parser.add_argument(
         "--format", choices=FORMATS, default="text", help="format of the findings (default: %(default)s)"
     )
@@ -146,4 +151,5 @@ def _draw(checked: Checked, path: Path) -> None:
     if len(checked.systems) > 1:
         print_note(f"{path}: shows {checked.systems[0][0]}, the first of {len(checked.systems)} launch files")
     name, system = checked.systems[0]
-    write_whole(path, graph_of(system, name).encode())
+    draw = dot_of if path.suffix in (".dot", ".gv") else svg_of
+    write_whole(path, draw(system, name).encode())

@@ -204,10 +204,10 @@ class Expander:
         run.context.file = file
         try:
             run.include(file, Span(self._shown(file)))
-        except TooLongTextError as error:
-            raise UnreadableFileError(run.context.place, f"the launch file grows without end: {error}") from error
-        except RecursionError as error:
-            raise UnreadableFileError(run.context.place, "the launch file is nested too deeply") from error
+        except (TooLongTextError, RecursionError) as error:
+            reason = f"grows without end: {error}" if isinstance(error, TooLongTextError) else "is nested too deeply"
+            place = run.context.place if run.context.place.file else Span(self._shown(file))
+            raise UnreadableFileError(place, f"the launch file {reason}") from error
         run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
         return run.result
 

@@ -81,12 +81,14 @@ def _checkouts(distribution: str, listed: Mapping[str, Any], repositories: Path,
 
 def _changes(before: Catalogue | None, after: Catalogue) -> Iterator[str]:
     """Yield what a catalogue has that the one before had not, and the reverse."""
+    if before is None:
+        return
     for kind in ("packages", "classes", "plugins"):
-        old: Mapping[str, Any] = getattr(before, kind) if before else {}
+        old: Mapping[str, Any] = getattr(before, kind)
         new: Mapping[str, Any] = getattr(after, kind)
         yield from (f"- {kind}: {name}" for name in sorted(old.keys() - new.keys()))
         yield from (f"+ {kind}: {name}" for name in sorted(new.keys() - old.keys()))
-    for name in sorted(before.classes.keys() & after.classes.keys()) if before else ():
+    for name in sorted(before.classes.keys() & after.classes.keys()):
         for part in ("parameters", "of_node", "of_parent"):
             first, second = getattr(before.classes[name], part), getattr(after.classes[name], part)
             yield from (f"- {name}: {parameter}" for parameter in sorted(first.keys() - second.keys()))

@@ -30,6 +30,7 @@ _OF_PARAMETER_TYPE = re.compile(r"PARAMETER_(BOOL|INTEGER|DOUBLE|STRING)(_ARRAY)
 _IDENTIFIER = re.compile(r"^(?:this->)?[A-Za-z_]\w*$")
 _STATEMENT = r'(?:"(?:\\.|[^"\\\n])*"|[^;"])'
 """Part of a statement: a literal, which may have a semicolon, or another character."""
+_STATEMENT_START = 300  # most characters of a declaration before the name
 _QUALIFIERS = r"(?:(?:static|const|constexpr|inline|mutable)\s+)*"
 TYPES: Mapping[str, str] = {
     "bool": "bool",
@@ -288,9 +289,10 @@ def first_values(texts: Sequence[str], name: str) -> str | None:
         rf"(?:=\s*(?P<a>{_STATEMENT}+);|\{{(?P<b>[^;]*)\}}\s*;|\((?P<c>\"[^;]*)\)\s*;)"
     )
     defined = re.compile(rf"^\s*#define\s+{escaped}\s+(?P<d>\"[^\n]*\"|[-\d.]+)\s*$", re.MULTILINE)
+    named = [(text, max(0, text.find(name) - _STATEMENT_START)) for text in texts if name in text]
     for pattern in (of_constructor, declared, defined):
-        for text in texts:
-            if match := pattern.search(text):
+        for text, start in named:
+            if match := pattern.search(text, start):
                 return next((value.strip() for value in match.groups() if value is not None), None)
     return None
 
@@ -302,6 +304,13 @@ def declared_type(texts: Sequence[str], name: str) -> str | None:
         rf"\s*(?:[;={{]|\([^)]*\)\s*;)"
     )
     for text in texts:
-        if (match := pattern.search(text)) and match[1] not in ("return", "else", "new"):
+        start = text.find(name)
+        if start < 0:
+            continue
+        if (match := pattern.search(text, max(0, start - _STATEMENT_START))) and match[1] not in (
+            "return",
+            "else",
+            "new",
+        ):
             return match[1]
     return None
