@@ -6,6 +6,7 @@ import ast
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -168,7 +169,9 @@ class _Environment(dict[str, str]):
 
 def _parsed(path: Path, shown: str) -> ast.Module:
     try:
-        return ast.parse(bounded_files.read(path), str(path))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of escapes in a stranger's texts
+            return ast.parse(bounded_files.read(path), str(path))
     except OSError as error:
         raise UnreadableFileError(Span(shown), f"cannot read the file: {error.strerror or error}") from error
     except SyntaxError as error:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -62,7 +63,9 @@ def python_nodes(folder: Path) -> PythonNodes:
         if {"test", "tests", "launch"} & set(inner.parts[:-1]) or inner.name == "setup.py":
             continue
         try:
-            tree = ast.parse(bounded_files.read(path))
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of escapes in a stranger's texts
+                tree = ast.parse(bounded_files.read(path))
         except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
             continue
         module = ".".join(inner.with_suffix("").parts)
