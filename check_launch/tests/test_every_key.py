@@ -18,6 +18,7 @@ import pytest
 import yaml
 from check_launch.catalogue.catalogue_files import read_catalogue
 from check_launch.catalogue.facts import Catalogue
+from check_launch.expansion.launch_context import Packages
 from check_launch.own_programs import with_own_programs
 from check_launch.rules.checking import Checker
 from check_launch.rules.known_parameters import ParameterView
@@ -77,7 +78,7 @@ def _nodes(launch_file: str, catalogue: Catalogue) -> list[RunningNode]:
     """Return the nodes that a launch file starts with different arguments; none twice with the same parameters."""
     found = {}
     for arguments in _ARGUMENTS:
-        checker = Checker(catalogue, [_ROOT / "rover" / "navigation", _ROOT / "generated" / "ros"])
+        checker = Checker(catalogue, Packages([_ROOT / "rover" / "navigation", _ROOT / "generated" / "ros"]))
         ((_, system),) = checker.check([_ROOT / launch_file], arguments).systems
         for node in system.nodes:
             if node.view is not None:
