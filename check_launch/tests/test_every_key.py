@@ -97,9 +97,9 @@ def _is_reported(node: RunningNode, names: dict[str, str], catalogue: Catalogue)
         return True  # a parameter stands twice
     view = ParameterView(node.facts, given, catalogue)
     started = replace(node.started, files=(), remappings=())
-    system = System([RunningNode(started, node.facts, node.name, node.namespace, node.is_inner, view)])
-    variants = Variants(frozenset(used_parameters(system)), frozenset(), frozenset(), frozenset())
-    return any(one.severity.value != "hint" for one in parameter_findings(system, catalogue, variants))
+    system = System([RunningNode(started, node.facts, node.name, node.namespace, node.is_inner, view=view)])
+    variants = Variants(frozenset(used_parameters(system)), frozenset(), frozenset())
+    return any(one.severity.value != "hint" for one in parameter_findings(system, variants))
 
 
 def _missed(key: _Key, news: set[str], file: str, nodes: list[RunningNode], catalogue: Catalogue) -> Iterator[str]:
