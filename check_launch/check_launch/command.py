@@ -8,7 +8,8 @@ packages come from a catalogue, which --list shows. Packages that are not in it 
 A launch file is checked with the defaults of its arguments, and once more for each argument on which it
 depends what is started. PATH may be followed by NAME:=VALUE, as for `ros2 launch`.
 
-A Python launch file is a program, and runs: check files of strangers only where their code may run.
+A Python launch file is a program, and runs, with your rights, in a process that --time-limit ends. Check files of
+strangers only where their code may run. Python files without generate_launch_description do not run.
 
 `roverlink explain PAR101` describes a rule. What a node refuses is an error, what it silently ignores is a
 warning. Exit code 0: there is no finding, or only hints; 1: there are errors or warnings; 2: a file cannot
@@ -24,11 +25,14 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, read_catalogue
-from check_launch.graph.system_drawing import graph_of
+from check_launch.expansion.child_process import DEFAULT_LIMITS, Limits
+from check_launch.expansion.launch_context import Packages
+from check_launch.extraction.workspace import with_workspace
+from check_launch.graph.system_drawing import dot_of, svg_of
 from check_launch.own_programs import with_own_programs
 from check_launch.rules.checking import Checked, Checker, files_to_check
 from check_launch.rules.launch_rules import launch_rules
-from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, documented_command, print_note
+from roverlink.console import FINDINGS, OK, TABLE, UNABLE, Subparsers, documented_command, print_note, seconds
 from roverlink.diagnostic_text import Sources
 from roverlink.generator.diagnostics import Severity
 from roverlink.generator.source_files import repository_top
@@ -69,7 +73,25 @@ def add(commands: Subparsers) -> None:
         help="folders with the sources of more packages, whose launch files are included (default: the repository of "
         "PATH, and an installed ROS 2)",
     )
-    parser.add_argument("--graph", type=Path, metavar="FILE", help="draw nodes, topics and frames into this SVG file")
+    parser.add_argument(
+        "--catalogue",
+        type=Path,
+        metavar="FILE",
+        help="keep what was read from the sources of the workspace in this file (default: in the user's cache)",
+    )
+    parser.add_argument(
+        "--time-limit",
+        type=seconds,
+        default=DEFAULT_LIMITS.seconds,
+        metavar="SECONDS",
+        help="longest time for a launch file with one value of its arguments (default: %(default)g)",
+    )
+    parser.add_argument(
+        "--graph",
+        type=Path,
+        metavar="FILE",
+        help="draw nodes, topics and frames into this SVG file with Graphviz, or write FILE.dot for it",
+    )
     parser.add_argument(
         "--format", choices=FORMATS, default="text", help="format of the findings (default: %(default)s)"
     )
@@ -80,7 +102,7 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Check the files, print the findings, and return the exit code."""
     paths = [Path(text) for text in arguments.paths if _SET not in text]
-    catalogue = with_own_programs(read_catalogue(arguments.distribution), _table_file(paths))
+    catalogue = read_catalogue(arguments.distribution)
     if arguments.list:
         for name, package in catalogue.packages.items():
             source = catalogue.sources[package.source]
@@ -94,9 +116,12 @@ def run(arguments: argparse.Namespace) -> int:
     files = list(files_to_check(paths, missing.append))
     if missing:
         raise SetupError(f"{missing[0]}: there is no launch file, and no file with parameters of ROS 2 nodes")
-    packages = [*arguments.packages, *_tops(files)]
+    packages = Packages([*arguments.packages, *_tops(files)])
+    catalogue = with_workspace(catalogue, packages.folders, arguments.catalogue)
+    catalogue = with_own_programs(catalogue, _table_file(paths))
     values = dict(text.split(_SET, 1) for text in arguments.paths if _SET in text)
-    checked = Checker(catalogue, packages, arguments.complete).check(files, values)
+    limits = Limits(seconds=arguments.time_limit)
+    checked = Checker(catalogue, packages, arguments.complete, limits).check(files, values)
     if arguments.graph:
         _draw(checked, arguments.graph)
     found = Reported(
@@ -130,4 +155,5 @@ def _draw(checked: Checked, path: Path) -> None:
     if len(checked.systems) > 1:
         print_note(f"{path}: shows {checked.systems[0][0]}, the first of {len(checked.systems)} launch files")
     name, system = checked.systems[0]
-    write_whole(path, graph_of(system, name).encode())
+    draw = dot_of if path.suffix in (".dot", ".gv") else svg_of
+    write_whole(path, draw(system, name).encode())

@@ -8,6 +8,7 @@ LAUNCH_FILES = {
     "rover/navigation/config/ekf.yaml": "rover/navigation/launch/localization_launch.yaml",
     "rover/navigation/config/imu_filter.yaml": "rover/navigation/launch/rtabmap_launch.yaml",
     "rover/navigation/config/navigation.yaml": "rover/navigation/launch/navigation_launch.yaml",
+    "rover/navigation/config/obstacles.yaml": "rover/navigation/launch/navigation_launch.yaml",
     "rover/navigation/config/rtabmap.yaml": "rover/navigation/launch/rtabmap_launch.yaml",
     "rover/navigation/config/rtabmap_landmarks.yaml": "rover/navigation/launch/rtabmap_launch.yaml",
     "rover/navigation/config/rtabmap_slam.yaml": "rover/navigation/launch/rtabmap_launch.yaml",

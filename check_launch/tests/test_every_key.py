@@ -18,6 +18,7 @@ import pytest
 import yaml
 from check_launch.catalogue.catalogue_files import read_catalogue
 from check_launch.catalogue.facts import Catalogue
+from check_launch.expansion.launch_context import Packages
 from check_launch.own_programs import with_own_programs
 from check_launch.rules.checking import Checker
 from check_launch.rules.known_parameters import ParameterView
@@ -77,7 +78,7 @@ def _nodes(launch_file: str, catalogue: Catalogue) -> list[RunningNode]:
     """Return the nodes that a launch file starts with different arguments; none twice with the same parameters."""
     found = {}
     for arguments in _ARGUMENTS:
-        checker = Checker(catalogue, [_ROOT / "rover" / "navigation", _ROOT / "generated" / "ros"])
+        checker = Checker(catalogue, Packages([_ROOT / "rover" / "navigation", _ROOT / "generated" / "ros"]))
         ((_, system),) = checker.check([_ROOT / launch_file], arguments).systems
         for node in system.nodes:
             if node.view is not None:
@@ -96,9 +97,9 @@ def _is_reported(node: RunningNode, names: dict[str, str], catalogue: Catalogue)
         return True  # a parameter stands twice
     view = ParameterView(node.facts, given, catalogue)
     started = replace(node.started, files=(), remappings=())
-    system = System([RunningNode(started, node.facts, node.name, node.namespace, node.is_inner, view)])
-    variants = Variants(frozenset(used_parameters(system)), frozenset(), frozenset(), frozenset())
-    return any(one.severity.value != "hint" for one in parameter_findings(system, catalogue, variants))
+    system = System([RunningNode(started, node.facts, node.name, node.namespace, node.is_inner, view=view)])
+    variants = Variants(frozenset(used_parameters(system)), frozenset(), frozenset())
+    return any(one.severity.value != "hint" for one in parameter_findings(system, variants))
 
 
 def _missed(key: _Key, news: set[str], file: str, nodes: list[RunningNode], catalogue: Catalogue) -> Iterator[str]:

@@ -33,7 +33,7 @@ protected:
 class Server : public Base {
   std::unique_ptr<Listener> listener_;
   std::vector<std::string> names_{"a", "b"};
-  int depth_{5};
+  const int depth_ = 5;
 };
 class Listener { };
 class Rocks : public nav2_costmap_2d::Layer { };
@@ -46,6 +46,8 @@ Server::Server(const rclcpp::NodeOptions & options)
 : Base("rock_server", options), listener_{nullptr} {
   /* declare_parameter("also_in_a_comment", 1); */
   declare_parameter("radius", radius_);
+  const std::string separator = "a;b";
+  declare_parameter("separator", separator);
   this->declare_parameter<int>("count", 3);
   declare_parameter("names", names_);
   declare_parameter("limits", rclcpp::PARAMETER_DOUBLE_ARRAY);
@@ -93,11 +95,13 @@ def catalogue(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     git = ["git", "-C", str(checkout), "-c", "user.name=a", "-c", "user.email=a@example.com"]
     for command in (["init", "-q"], ["add", "."], ["commit", "-q", "-m", "Add a package"]):
         subprocess.run([*git, *command], check=True)
-    output = checkout.parent / "humble.json"
+    sources = checkout.parent / "sources.yaml"
+    sources.write_text("layers: {from: owner/layers, supplemented: true, humble: HEAD}\n", encoding="utf-8")
+    options = ["--distribution", "humble", "--sources", str(sources), "--output", str(checkout.parent)]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys, "argv", ["", "--distribution", "humble", "--output", str(output), str(checkout)])
+        patch.setattr(sys, "argv", ["", str(checkout.parent), *options])
         assert main() == 0
-    found: dict[str, Any] = json.loads(output.read_text(encoding="utf-8"))
+    found: dict[str, Any] = json.loads((checkout.parent / "humble.json").read_text(encoding="utf-8"))
     return found
 
 
@@ -121,6 +125,7 @@ def test_parameters_have_types_and_defaults(catalogue: dict[str, Any]) -> None:
         "names": {"type": "string_array", "default": ["a", "b"]},
         "radius": {"type": "double", "default": 0.5},
         "scan_topic": {"type": "string", "default": "scan"},
+        "separator": {"type": "string", "default": "a;b"},
         "use_sim_time": {"type": "bool", "default": False},
     }
 

@@ -12,6 +12,7 @@ import pytest
 import yaml
 from check_launch.catalogue.catalogue_files import read_catalogue
 from check_launch.catalogue.facts import Catalogue
+from check_launch.expansion.launch_context import Packages
 from check_launch.own_programs import with_own_programs
 from check_launch.rules.checking import Checker
 from shipped_files import LAUNCH_FILES
@@ -38,7 +39,7 @@ class Project:
 
     def findings(self, launch_file: str) -> Findings:
         """Return rule, file, line and message of all findings that are no hints."""
-        checker = Checker(self._catalogue, [self.folder])
+        checker = Checker(self._catalogue, Packages([self.folder]))
         found = checker.check([self.folder / launch_file], {}).findings
         return {
             (one.rule.id, one.span.file, one.span.line, one.message) for one in found if one.severity.value != "hint"

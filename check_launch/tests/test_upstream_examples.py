@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 from check_launch.catalogue.catalogue_files import read_catalogue
+from check_launch.expansion.launch_context import Packages
 from check_launch.rules.checking import Checker, files_to_check
 
 _FOLDER = os.environ.get("ROVERLINK_LAUNCH_EXAMPLES", "")
@@ -56,7 +57,7 @@ def test_the_examples_of_others_have_only_real_mistakes(distribution: str, monke
     missing: list[Path] = []
     folders = [top / package / folder for package, names in _EXAMPLES.items() for folder in names]
     files = list(files_to_check(folders, missing.append))
-    findings = Checker(read_catalogue(distribution), [top]).check(files, {}).findings
+    findings = Checker(read_catalogue(distribution), Packages([top])).check(files, {}).findings
     others = [
         one.render()
         for one in findings

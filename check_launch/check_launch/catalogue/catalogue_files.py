@@ -24,7 +24,7 @@ from check_launch.catalogue.facts import (
     Transform,
 )
 
-DISTRIBUTIONS = ("humble", "jazzy")
+DISTRIBUTIONS = ("humble", "jazzy", "kilted")
 """ROS 2 distributions for which there is a catalogue."""
 
 _FOLDER = Path(__file__).parent
@@ -50,6 +50,7 @@ def read_catalogue(distribution: str) -> Catalogue:
                 facts["executables"],
                 tuple(facts["components"]),
                 facts["launch_files"],
+                facts.get("is_partial", False),
             )
             for name, facts in data["packages"].items()
         },
@@ -74,7 +75,7 @@ def _class(name: str, data: Mapping[str, Any]) -> NodeClass:
         _parameters(data.get("of_parent", {})),
         tuple(Endpoint(**endpoint) for endpoint in data.get("endpoints", ())),
         tuple(PluginSlot(**{**slot, "spellings": tuple(slot.get("spellings", ()))}) for slot in data.get("slots", ())),
-        tuple(SubNode(**node) for node in data.get("nodes", ())),
+        tuple(SubNode(**{"name": "", "namespace": "", "class_name": "", **node}) for node in data.get("nodes", ())),
         tuple(Transform(**transform) for transform in data.get("transforms", ())),
         tuple(data.get("frames", ())),
         tuple(
@@ -83,6 +84,7 @@ def _class(name: str, data: Mapping[str, Any]) -> NodeClass:
         ),
         data.get("has_open_topics", False),
         data.get("arguments", {}),
+        is_partial=data.get("is_partial", False),
     )
 
 
@@ -114,7 +116,7 @@ def _short(value: Any, without: tuple[str, ...] = (), optional: bool = False) ->
             and (
                 not is_fact or entry not in ("", None, (), {}) or ((name == "default" and entry == "") and entry != "")
             )
-            and not (is_fact and entry is False and name in ("is_type", "has_open_topics"))
+            and not (entry is False and name in ("is_type", "has_open_topics", "is_partial"))
         } | ({"default": ""} if isinstance(value, Parameter) and value.default == "" else {})
     if isinstance(value, Mapping):
         return {name: _short(entry) for name, entry in value.items()}

@@ -2,7 +2,7 @@
 
 Names of parameters are patterns: ``{#}`` stands for a number, ``{*}`` for any name, and ``{x}`` for each name in the
 value of the parameter x of the same node or plugin. Other texts may contain ``$(x)``, the value of the parameter x. In
-the name of a topic, ``{node}`` is the name of the node, and ``{process}`` the namespace of the node around it.
+the name of a topic, ``{node}`` is the name of the node, and ``../`` the namespace around the node's own.
 """
 
 from __future__ import annotations
@@ -82,6 +82,9 @@ class SubNode:
     name: str
     namespace: str
     class_name: str
+    """Name of the class; empty if a parameter of the node names the plugin."""
+    type_parameter: str = ""
+    """Pattern of the parameters that name plugins, ``{*}.type`` for a node x with the type in ``x.type``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +126,8 @@ class NodeClass:
     parameter, the program is another node, of which nothing is known."""
     topic_patterns: tuple[str, ...] = ()
     """Names of topics that the node may have, too, with ``{*}`` for any text."""
+    is_partial: bool = False
+    """True if the sources may have more parameters and topics than these."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,6 +163,8 @@ class Package:
     components: tuple[str, ...]
     launch_files: Mapping[str, Any]
     """Descriptions of the package's launch files by their paths in its share folder (see `expansion.stored`)."""
+    is_partial: bool = False
+    """True if the package may have more executables and components than these."""
 
 
 @dataclass(frozen=True, slots=True)

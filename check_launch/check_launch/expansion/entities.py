@@ -10,6 +10,7 @@ from xml.parsers import expat
 
 import yaml
 
+from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 
@@ -20,8 +21,13 @@ class UnreadableFileError(Exception):
         super().__init__(message)
         self.place = place
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.place, str(self))
+
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where PyYAML has it
+_DEEPEST = 100
+_MOST_NODES = 200_000
 
 
 @dataclass(slots=True)
@@ -47,11 +53,16 @@ class Entity:
 
 def read_entities(path: Path, shown: str) -> list[Entity]:
     """Read the elements of a launch file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UnreadableFileError(Span(shown), f"cannot read the file: {error}") from error
+    text = text_of_file(path, shown)
     return _of_xml(text, shown) if text.lstrip().startswith("<") else list(_of_yaml(text, shown))
+
+
+def text_of_file(path: Path, shown: str) -> str:
+    """Return the text of a file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
+    try:
+        return bounded_files.read_text(path)
+    except OSError as error:
+        raise UnreadableFileError(Span(shown), f"cannot read the file: {error.strerror or error}") from error
 
 
 def _of_yaml(text: str, shown: str) -> Iterator[Entity]:
@@ -67,13 +78,47 @@ def _of_yaml(text: str, shown: str) -> Iterator[Entity]:
 def compose(text: str, shown: str) -> yaml.Node | None:
     """Return the nodes of a YAML text, which know their lines and columns. Raises `UnreadableFileError`."""
     try:
+        _check_size(text, shown)
         return yaml.compose(text, Loader=_LOADER)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Span(shown, mark.line + 1, mark.column + 1) if mark else Span(shown)
         raise UnreadableFileError(place, f"not valid YAML: {error.problem or error.context}") from error
-    except (yaml.YAMLError, RecursionError) as error:
+    except yaml.YAMLError as error:
         raise UnreadableFileError(Span(shown), f"not valid YAML: {error}") from error
+
+
+def _check_size(text: str, shown: str) -> None:
+    """Raise `UnreadableFileError` for YAML that is nested too deeply, or too large with its anchors in place."""
+    sizes: dict[str, int] = {}  # nodes of each anchor that is complete
+    open_nodes: list[tuple[str | None, int]] = [(None, 0)]  # anchor and nodes of what is being read
+
+    def refuse(event: yaml.Event, reason: str) -> UnreadableFileError:
+        mark = event.start_mark
+        return UnreadableFileError(Span(shown, mark.line + 1, mark.column + 1) if mark else Span(shown), reason)
+
+    def add(event: yaml.Event, count: int) -> None:
+        anchor, before = open_nodes[-1]
+        open_nodes[-1] = anchor, before + count
+        if before + count > _MOST_NODES:
+            raise refuse(event, f"the file has more than {_MOST_NODES} values with its anchors in place")
+
+    for event in yaml.parse(text, Loader=_LOADER):
+        if isinstance(event, yaml.CollectionStartEvent):
+            open_nodes.append((event.anchor, 1))
+            if len(open_nodes) > _DEEPEST:
+                raise refuse(event, "it is nested too deeply")
+        elif isinstance(event, yaml.CollectionEndEvent):
+            anchor, count = open_nodes.pop()
+            if anchor:
+                sizes[anchor] = count
+            add(event, count)
+        elif isinstance(event, yaml.AliasEvent):
+            if any(event.anchor == anchor for anchor, _ in open_nodes):
+                raise refuse(event, f"the anchor '{event.anchor}' contains itself")
+            add(event, sizes.get(str(event.anchor), 1))
+        elif isinstance(event, yaml.ScalarEvent):
+            add(event, 1)
 
 
 def place_of(node: yaml.Node, shown: str) -> Span:
@@ -82,6 +127,14 @@ def place_of(node: yaml.Node, shown: str) -> Span:
 
 
 def _pairs(node: yaml.MappingNode, shown: str) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
+    if any(key.tag == "tag:yaml.org,2002:merge" for key, _ in node.value):
+        loader = yaml.SafeLoader("")
+        try:
+            loader.flatten_mapping(node)
+        except yaml.constructor.ConstructorError as error:
+            raise UnreadableFileError(place_of(node, shown), f"not valid YAML: {error.problem}") from error
+        finally:
+            loader.dispose()
     for key, value in node.value:
         if not isinstance(key, yaml.ScalarNode):
             raise UnreadableFileError(place_of(key, shown), "a key must be a text")
@@ -147,7 +200,7 @@ def _of_xml(text: str, shown: str) -> list[Entity]:
     parser.EndElementHandler = lambda _: stack.pop()
     try:
         parser.Parse(text, True)
-    except expat.ExpatError as error:
+    except expat.ExpatError as error:  # also for entities that grow without end
         raise UnreadableFileError(Span(shown, error.lineno, error.offset + 1), f"not valid XML: {error}") from error
     top = root.children[0]
     if top.name != "launch":

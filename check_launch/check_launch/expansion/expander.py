@@ -30,9 +30,11 @@ from check_launch.expansion.actions import (
     SetRemap,
     StartNode,
 )
+from check_launch.expansion.child_process import DEFAULT_LIMITS, ChildEndedError, Limits, results
 from check_launch.expansion.declarative_files import read_declarative
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.launch_context import Context, Packages, package_of_share
+from check_launch.expansion.launch_imports import Ignored
 from check_launch.expansion.parameter_files import (
     UNKNOWN,
     GivenValue,
@@ -45,9 +47,11 @@ from check_launch.expansion.python_files import NeedsMoreError, PythonFile
 from check_launch.expansion.stand_ins import OPTIONS_OF_NODES
 from check_launch.expansion.stored_files import actions_of_stored
 from check_launch.expansion.substitutions import (
+    RUN_TIME,
     EqualsSubstitution,
     LaunchConfiguration,
     PythonExpression,
+    TooLongTextError,
     UnknownTextError,
     is_boolean,
     is_true,
@@ -65,9 +69,13 @@ from check_launch.rules.launch_rules import (
     as_warning,
 )
 from check_launch.rules.stated_facts import stated_facts
+from roverlink import bounded_files
 from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 
 _DEEPEST = 30  # includes within includes
+_MOST_INCLUDES = 1000
+_MOST_NODES = 5000
+_MOST_VARIATIONS = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,24 +165,63 @@ class Expander:
         shown: Callable[[str], str],
         stored: Mapping[tuple[str, str], Any],
         known: Collection[str],
+        limits: Limits = DEFAULT_LIMITS,
         environment: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """``shown`` returns the name of a file in messages.
 
         ``stored`` are descriptions of launch files, by their packages and paths. ``known`` are packages of which it is
-        no news that they are not there. ``environment`` are variables of the environment that every robot has.
+        no news that they are not there. ``limits`` are those of the processes in which launch files run.
+        ``environment`` has the variables that the rover's computer is known to have.
         """
-        self.environment = environment
         self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
+        self._limits, self.environment = limits, environment
         self._declarative: dict[str, tuple[list[Action], list[Diagnostic]]] = {}
         self._python: dict[str, PythonFile] = {}
         self._parameter_files: dict[str, ParameterFile] = {}
 
+    def variants(self, path: Path, arguments: Mapping[str, str]) -> list[Expansion]:
+        """Return what a launch file starts with some values of its arguments, and with others beside them.
+
+        The first one has the defaults of all other arguments, then each of these has another value once (see
+        `variations`). The launch file runs in a child process. Raises `UnreadableFileError`.
+        """
+        found: list[Expansion] = []
+        path = path.resolve()  # the child has another working folder
+        place = Span(self._shown(str(path)))
+        try:
+            for expansion in results(lambda: self._variants(path, arguments), self._limits):
+                found.append(expansion)
+        except ChildEndedError as error:
+            if not found:
+                raise UnreadableFileError(place, f"the file cannot be evaluated: {error}") from error
+            message = f"the file cannot be evaluated with all values of its arguments: {error}"
+            found[0].findings.append(NotExpanded.at(place, message))
+        return found
+
+    def _variants(self, path: Path, arguments: Mapping[str, str]) -> Iterator[Expansion]:
+        first = self.expand(path, arguments)
+        others = list(itertools.islice(variations(first), _MOST_VARIATIONS + 1))
+        if len(others) > _MOST_VARIATIONS:
+            message = f"the arguments have many values; the file is checked with {_MOST_VARIATIONS} of them"
+            first.findings.append(NotExpanded.at(Span(self._shown(str(path))), message))
+        yield first
+        for values in others[:_MOST_VARIATIONS]:
+            yield self.expand(path, {**arguments, **values})
+
     def expand(self, path: Path, arguments: Mapping[str, str | None]) -> Expansion:
-        """Return what a launch file starts with some values of its arguments. Raises `UnreadableFileError`."""
+        """Return what a launch file starts with some values of its arguments, in this process.
+
+        Raises `UnreadableFileError`.
+        """
         run, file = _Run(self, self._packages, arguments), str(path.resolve())
         run.context.file = file
-        run.include(file, Span(self._shown(file)))
+        try:
+            run.include(file, Span(self._shown(file)))
+        except (TooLongTextError, RecursionError) as error:
+            reason = f"grows without end: {error}" if isinstance(error, TooLongTextError) else "is nested too deeply"
+            place = run.context.place if run.context.place.file else Span(self._shown(file))
+            raise UnreadableFileError(place, f"the launch file {reason}") from error
         run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
         return run.result
 
@@ -185,6 +232,10 @@ class Expander:
         if path not in self._declarative:
             self._declarative[path] = read_declarative(Path(path), self._shown(path))
         return self._declarative[path]
+
+    def missing_modules(self, path: str) -> Iterator[tuple[str, Span]]:
+        """Yield the modules that a Python launch file has imported, and that are not there, each with its place."""
+        return self._python[path].missing_modules() if path in self._python else iter(())
 
     def python(self, path: str) -> PythonFile:
         """Return a Python launch file. Raises `UnreadableFileError`."""
@@ -214,6 +265,10 @@ class Expander:
         return self._shown(path)
 
 
+class EndlessExpansionError(UnreadableFileError):
+    """Raised for launch files that include so many others, or start so many nodes, that the expansion may not end."""
+
+
 class _Run:
     """One expansion."""
 
@@ -221,15 +276,18 @@ class _Run:
         self._expander = expander
         self.context = Context(packages, dict(arguments), dict(expander.environment))
         self.result = Expansion(dict(arguments))
-        self._depth = 0
+        self._depth = self._includes = 0
         self._skips = 0  # includes of files that are not here
         self._path = ""  # path of the launch file whose actions are expanded
 
     def include(self, path: str, place: Span) -> None:
         """Expand the actions of a launch file."""
         self._depth += 1
+        self._includes += 1
         if self._depth > _DEEPEST:
             raise UnreadableFileError(place, "launch files include each other without end")
+        if self._includes > _MOST_INCLUDES:
+            raise EndlessExpansionError(place, f"launch files are included more than {_MOST_INCLUDES} times")
         before, self._path = self._path, path
         try:
             actions, findings = self._actions(path, place)
@@ -249,13 +307,22 @@ class _Run:
                 return [], []
             return actions_of_stored(stored, place), []
         try:
-            return self._expander.actions(path)
+            actions, findings = self._expander.actions(path)
         except NeedsMoreError as error:
+            self._note_missing(path)
             self.result.unevaluated.add(path)
             return [], [NotExpanded.at(error.place, str(error))]
-        except UnknownTextError as error:
-            self.result.unevaluated.add(path)
-            return [], [NotExpanded.at(place, f"the file needs '{error}', which is known at run time only")]
+        self._note_missing(path)
+        return actions, findings
+
+    def _note_missing(self, path: str) -> None:
+        """Report modules that a Python launch file imports, and that are not there."""
+        for module, place in self._expander.missing_modules(path):
+            message = f"the file imports '{module}', which is not installed; what it gives is not checked"
+            finding = NotExpanded.at(place, message)
+            if finding not in self.result.findings:
+                self.result.findings.append(finding)
+            self.result.runs_programs = True
 
     def _run(self, actions: Iterable[Action]) -> None:
         for action in actions:
@@ -404,6 +471,8 @@ class _Run:
             return
         try:
             self.include(path, action.place)
+        except EndlessExpansionError:
+            raise
         except UnreadableFileError as error:
             place = error.place if error.place.line else action.place
             self._report(
@@ -447,7 +516,7 @@ class _Run:
         if package_of_share(path):
             return False
         try:
-            return name in Path(path).read_text(encoding="utf-8")
+            return name in bounded_files.read(path).decode(errors="replace")
         except OSError:
             return True
 
@@ -457,13 +526,12 @@ class _Run:
             return
         try:
             if self._path.endswith(".py"):
-                self._run(self._expander.python(self._path).called(action.function, self.context))
+                actions = self._expander.python(self._path).called(action.function, self.context)
+                self._note_missing(self._path)
+                self._run(actions)
         except NeedsMoreError as error:
             self.result.unevaluated.add(self._path)
             self._report(NotExpanded, error.place, str(error))
-        except UnknownTextError as error:
-            self.result.unevaluated.add(self._path)
-            self._report(NotExpanded, action.place, f"a function needs '{error}', which is known at run time only")
 
     def _start(self, action: StartNode) -> None:
         context = self.context
@@ -493,6 +561,8 @@ class _Run:
             [*arguments, *(self._text(argument) for argument in action.ros_arguments)], action.place
         ):
             files.append(use)
+        if len(self.result.nodes) >= _MOST_NODES:
+            raise EndlessExpansionError(action.place, f"the launch file starts more than {_MOST_NODES} nodes")
         general = [given for given in context.parameters if isinstance(given, GivenValue)]
         files = [*(given for given in context.parameters if isinstance(given, FileUse)), *files]
         self.result.nodes.append(
@@ -531,8 +601,9 @@ class _Run:
 
     def _value(self, value: Any, is_text: bool) -> Any:
         """Return a parameter's value as launch_ros types it: the text of substitutions is read as YAML."""
-        if isinstance(value, str | bool | int | float) and not isinstance(value, bytes):
-            return value
+        for kind in (str, bool, int, float):
+            if isinstance(value, kind):
+                return UNKNOWN if RUN_TIME in str(value) else kind(value)  # not a class of the launch file
         if isinstance(value, list | tuple) and value and not any(hasattr(part, "perform") for part in value):
             values = [
                 self._value(part, False) if not isinstance(part, list | tuple) else self._text(part) for part in value
@@ -617,7 +688,7 @@ def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | No
         for side, other in ((text.left, text.right), (text.right, text.left)):
             if isinstance(side, LaunchConfiguration) and isinstance(side.variable_name, str):
                 yield side.variable_name, other if isinstance(other, str) else None
-    else:
+    elif not isinstance(text, Ignored):
         for name in ("left", "right", "value", "condition"):
             if hasattr(text, name) and not isinstance(text, str):
                 yield from _arguments_in(getattr(text, name), True)

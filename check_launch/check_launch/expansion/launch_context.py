@@ -10,12 +10,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from check_launch.expansion.source_trees import source_folders
 from check_launch.expansion.substitutions import UnknownTextError, text_of
+from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 _NAME = re.compile(r"<name>\s*([\w-]+)\s*</name>")
-_SKIPPED = frozenset({"build", "install", "log", "node_modules", "__pycache__"})
-_DEPTH = 5  # folders below the top in which packages are searched
+_DEPTH = 8  # folders below the top in which packages are searched
 UNKNOWN_SHARE = "/share-folder-of/"
 """Beginning of the path that stands for the share folder of a package that is not there."""
 
@@ -25,20 +26,34 @@ class Packages:
 
     def __init__(self, tops: Iterable[Path]) -> None:
         """``tops`` are folders in which packages are searched, such as the top of a repository."""
-        self._tops = list(dict.fromkeys(top.resolve() for top in tops))
-        self._found: dict[str, Path] | None = None
+        self._tops = tuple(dict.fromkeys(top.resolve() for top in tops))
+        self.folders = dict(_packages_in(self._tops))
+        """Folders of the packages in source trees, by the names of the packages."""
 
     def share(self, package: str) -> str:
         """Return the share folder of a package; for an unknown package, a path that does not exist."""
-        if self._found is None:
-            self._found = dict(self._search())
-        if package in self._found:
-            return str(self._found[package])
+        if package in self.folders:
+            return str(self.folders[package])
         for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
             folder = Path(prefix) / "share" / package
             if folder.is_dir():
                 return str(folder)
         return f"{UNKNOWN_SHARE}{package}"
+
+    def has(self, package: str) -> bool:
+        """Return true if the source trees have a package."""
+        return package in self.folders
+
+    def holds(self, path: str) -> bool:
+        """Return true for a path below the folders in which packages are searched."""
+        return any(Path(path).is_relative_to(top) for top in self._tops)
+
+    def python_folder(self, package: str) -> Path | None:
+        """Return the folder from which the Python package of a ROS 2 package can be imported; None if there is none."""
+        if package not in self.folders:
+            return None
+        top = self.folders[package]
+        return next((one for one in (top, top / "src", top / "python") if any((one / package).glob("*.py"))), None)
 
     def existing(self, path: str, folder: str = "") -> str:
         """Return the path of a file; a relative one is searched in a folder, and where users run `ros2 launch`.
@@ -49,28 +64,30 @@ class Packages:
         if found_there := next(filter(os.path.exists, candidates), None):
             return found_there
         path = candidates[0]
-        for share in (self._found or {}).values():
+        for share in self.folders.values():
             if Path(path).is_relative_to(share):
                 found = list(share.rglob(os.path.basename(path)))
                 return str(found[0]) if len(found) == 1 else path
         return path
 
-    def holds(self, path: str) -> bool:
-        """Return true for a path below the folders in which packages are searched."""
-        return any(Path(path).is_relative_to(top) for top in self._tops)
 
-    def _search(self) -> Iterator[tuple[str, Path]]:
-        for top in reversed(self._tops):
-            for folder, inner, files in os.walk(top):
-                depth = len(Path(folder).relative_to(top).parts)
-                if "package.xml" in files:
-                    path = Path(folder)
-                    if name := _NAME.search((path / "package.xml").read_text(encoding="utf-8", errors="replace")):
-                        yield name[1], path
-                    inner.clear()
-                elif depth >= _DEPTH:
-                    inner.clear()
-                inner[:] = sorted(name for name in inner if not name.startswith(".") and name not in _SKIPPED)
+def _packages_in(tops: Iterable[Path]) -> Iterator[tuple[str, Path]]:
+    """Yield the packages in folders; those of the first folder come last, and so have the last word."""
+    for top in reversed(list(tops)):
+        for folder, inner, files in source_folders(top):
+            if "package.xml" in files:
+                if name := _NAME.search(_text(folder / "package.xml")):
+                    yield name[1], folder
+                inner.clear()
+            elif len(folder.relative_to(top).parts) >= _DEPTH:
+                inner.clear()
+
+
+def _text(manifest: Path) -> str:
+    try:
+        return bounded_files.read(manifest).decode(errors="replace")
+    except OSError:
+        return ""
 
 
 def package_of_share(path: str) -> tuple[str, str] | None:

@@ -10,7 +10,8 @@ from typing import Any
 
 import yaml
 
-from check_launch.expansion.entities import UnreadableFileError, compose, place_of, plain
+from check_launch.expansion.entities import UnreadableFileError, compose, place_of, plain, text_of_file
+from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 KEY = "ros__parameters"
@@ -22,6 +23,9 @@ class Unknown:
 
     def __repr__(self) -> str:
         return "a value that is known at run time only"
+
+    def __reduce__(self) -> str:
+        return "UNKNOWN"  # there is one, also for values from a child process
 
 
 UNKNOWN = Unknown()
@@ -66,12 +70,7 @@ class ParameterFile:
 
     def __init__(self, path: Path, shown: str) -> None:
         """Read the file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
-        try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            reason = getattr(error, "strerror", None) or error
-            raise UnreadableFileError(Span(shown), f"cannot read the file: {reason}") from error
-        self._root, self._shown = compose(text, shown), shown
+        self._root, self._shown = compose(text_of_file(path, shown), shown), shown
         self.without_value = next(_without_value(self._root, shown, False), None)
         """First parameter without a value, which ROS 2 refuses."""
         self._with_substitutions = list(dict.fromkeys(_with_substitutions(self._root)))
@@ -117,11 +116,12 @@ def _without_value(node: yaml.Node | None, shown: str, in_parameters: bool) -> I
 
 
 def is_parameter_file(path: Path) -> bool:
-    """Return true if a YAML file has parameters of nodes."""
+    """Return true if a YAML file has parameters of nodes; also if it is not UTF-8, which the check then reports."""
     try:
-        return re.search(rf"^\s*['\"]?{KEY}['\"]?\s*:", path.read_text(encoding="utf-8"), re.MULTILINE) is not None
-    except (OSError, UnicodeDecodeError):
+        text = bounded_files.read(path).decode("latin-1")  # each byte is a letter
+    except OSError:
         return False
+    return re.search(rf"^\s*['\"]?{KEY}['\"]?\s*:", text, re.MULTILINE) is not None
 
 
 def _sections(

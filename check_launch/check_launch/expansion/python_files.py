@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import ast
-import io
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
-from unittest import mock
 
 from check_launch.expansion import real_launch
 from check_launch.expansion.actions import Action
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.launch_context import UNKNOWN_SHARE, Context, Packages
+from check_launch.expansion.launch_imports import Ignored, LaunchImports
 from check_launch.expansion.stand_ins import StandIns, actions_of
-from check_launch.expansion.substitutions import UnknownTextError
+from check_launch.expansion.substitutions import RUN_TIME, TooLongTextError, UnknownTextError
+from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
+
+_FUNCTION = "generate_launch_description"
 
 
 class NeedsMoreError(Exception):
@@ -37,36 +40,31 @@ class PythonFile:
     def __init__(
         self, path: Path, shown: str, packages: Packages, environment: Mapping[str, str] = MappingProxyType({})
     ) -> None:
-        """Read the file. Raises `UnreadableFileError`."""
-        self._path, self._shown, self._environment = path, shown, environment
+        """Read the file, without running it. Raises `UnreadableFileError`.
+
+        ``environment`` has the variables that the rover's computer is known to have.
+        """
+        self._path, self._shown, self._packages = path, shown, packages
         self._stand_ins = StandIns(path, shown, packages)
-        try:
-            self._tree = ast.parse(path.read_text(encoding="utf-8"), str(path))
-        except (OSError, UnicodeDecodeError) as error:
-            raise UnreadableFileError(Span(shown), f"cannot read the file: {error}") from error
-        except SyntaxError as error:
-            raise UnreadableFileError(
-                Span(shown, error.lineno or 0, error.offset or 0), f"not valid Python: {error.msg}"
-            ) from error
-        names = (node.attr for node in ast.walk(self._tree) if isinstance(node, ast.Attribute))
-        self._reads_environment = not {"getenv", "environ"}.isdisjoint(names)
+        self._tree = _parsed(path, shown)
+        self._declaration = line_of_launch_description(self._tree)
+        if not self._declaration:
+            raise UnreadableFileError(Span(shown), f"the file has no function {_FUNCTION}")
         self._stand_ins.read(self._tree)
+        self._missing: dict[str, int] = {}
+        self._environment = _Environment(str(path), environment)
 
     def actions(self) -> list[Action]:
         """Run the file, and return its actions. Raises `UnreadableFileError` or `NeedsMoreError`."""
         names: dict[str, Any] = {"__name__": "launch_file", "__file__": str(self._path), "__builtins__": __builtins__}
         with self._running():
             exec(compile(self._tree, str(self._path), "exec"), names)  # noqa: S102  # a launch file is a program
-            function = names.get("generate_launch_description")
-            if function is None:
-                raise UnreadableFileError(Span(self._shown), "the file has no function generate_launch_description")
-            description = function()
-            if description is None:
-                raise UnreadableFileError(self._place_of(function), "generate_launch_description returns nothing")
-            return actions_of(description)
-
-    def _place_of(self, function: Any) -> Span:
-        return Span(self._shown, function.__code__.co_firstlineno)
+            found = names[_FUNCTION]()
+            if found is None:
+                raise UnreadableFileError(Span(self._shown, self._declaration), f"{_FUNCTION} returns None")
+            if isinstance(found, Ignored):
+                raise UnknownTextError(f"what {_FUNCTION} returns")
+            return actions_of(found)
 
     def called(self, function: Any, context: Context) -> list[Action]:
         """Call a function of an OpaqueFunction, and return its actions.
@@ -76,46 +74,139 @@ class PythonFile:
         with self._running():
             return actions_of(function(context))
 
+    def missing_modules(self) -> Iterator[tuple[str, Span]]:
+        """Yield the modules that the file has imported, and that are not there, each with its place."""
+        for name, line in self._missing.items():
+            yield name, Span(self._shown, line)
+
     @contextmanager
     def _running(self) -> Iterator[None]:
         """Let the file import the stand-ins, and turn its errors into ours."""
         modules = self._stand_ins.modules()
+        finder = LaunchImports(self._tree, modules, self._packages)
         hidden = {name: sys.modules.pop(name) for name in list(sys.modules) if name.partition(".")[0] in _REPLACED}
-        before = set(sys.modules)
-        path = list(sys.path)
+        before, path, environment = set(sys.modules), list(sys.path), os.environ
         sys.modules.update({**(hidden if real_launch.is_installed() else {}), **modules})
+        sys.meta_path.append(finder)
+        os.environ = self._environment  # type: ignore[assignment]  # noqa: B003  # what the system does not need
         try:
-            with redirect_stdout(io.StringIO()), mock.patch.dict(os.environ, self._environment):
-                yield
-        except (UnreadableFileError, UnknownTextError):
+            yield
+        except UnreadableFileError:
             raise
+        except TooLongTextError as error:
+            raise UnreadableFileError(self._place(error), str(error)) from error
         except ModuleNotFoundError as error:
             raise NeedsMoreError(
                 self._place(error), f"the file imports '{error.name}', which is not installed"
             ) from error
-        except (Exception, SystemExit) as error:
-            message = f"{type(error).__name__}: {error}"
-            # A program, or a file that only the robot has, or that the build makes.
-            is_missing = isinstance(error, FileNotFoundError)
-            if (
-                UNKNOWN_SHARE in message
-                or _is_refusal(error)
-                or ("NoneType" in message and self._reads_environment)
-                or is_missing
-                or (isinstance(error, KeyError) and "environ" in _source_of(error))
-            ):
-                raise NeedsMoreError(self._place(error), f"the file stops here: {message}") from error
-            raise UnreadableFileError(self._place(error), f"the file stops here: {message}") from error
+        except UnknownTextError as error:
+            raise NeedsMoreError(
+                self._place(error), f"the file needs '{error}', which is known at run time only"
+            ) from error
+        except (Exception, SystemExit, KeyboardInterrupt) as error:
+            message = f"the file stops here: {type(error).__name__}: {error}"
+            if needed := self._needed(error, {**self._missing, **finder.missing}):
+                raise NeedsMoreError(self._place(error), f"{message} ({needed})") from error
+            raise UnreadableFileError(self._place(error), message) from error
         finally:
+            self._missing |= finder.missing
+            os.environ = environment  # noqa: B003
+            sys.meta_path.remove(finder)
             sys.path[:] = path
             for name in set(sys.modules) - before:
-                if name.partition(".")[0] in _REPLACED or _is_beside(sys.modules[name], self._path.parent):
+                module = sys.modules[name]
+                is_made = getattr(module, "__loader__", None) is finder
+                if is_made or name.partition(".")[0] in _REPLACED or _is_beside(module, self._path.parent):
                     sys.modules.pop(name)
             sys.modules.update(hidden)
+
+    def _needed(self, error: BaseException, missing: dict[str, int]) -> str:
+        """Return what is not there, if the file may have stopped for this reason; empty if nothing is missing."""
+        if missing:
+            return f"'{next(iter(missing))}' is not installed"
+        if self._environment.missing:
+            return f"the environment has no variable {self._environment.missing[0]}"
+        text = str(error)
+        if RUN_TIME in text or UNKNOWN_SHARE in text:
+            return "a file or text is not here"
+        if isinstance(error, FileNotFoundError):  # perhaps one that the robot has, or that the build makes
+            return "a file is not here" if "/" in str(error.filename) else "a program is not installed"
+        return "the launch file itself refuses to go on" if self._is_refusal(error) else ""
+
+    def _is_refusal(self, error: BaseException) -> bool:
+        """Return true if code of the workspace refuses values of arguments, or what it finds on this computer."""
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        is_own = last.filename == str(self._path) or self._packages.holds(last.filename)
+        return is_own and (last.line or "").startswith(("raise ", "sys.exit", "exit("))
 
     def _place(self, error: BaseException) -> Span:
         frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(self._path)]
         return Span(self._shown, frames[-1].lineno or 0) if frames else Span(self._shown)
+
+
+class _Environment(dict[str, str]):
+    """The variables of the environment for a launch file; those that are not set are known at run time only."""
+
+    def __init__(self, file: str, known: Mapping[str, str]) -> None:
+        super().__init__({**os.environ, **known})
+        self._file = file
+        self.missing: list[str] = []
+        """Variables that the launch file has asked for, and that are not set."""
+
+    def __missing__(self, name: object) -> str:
+        if not isinstance(name, str):  # the standard library looks for bytes, too
+            raise KeyError(name)
+        self._note(name)
+        return RUN_TIME
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return a variable, or the default."""
+        if name not in self and default is None:
+            self._note(name)
+        return super().get(name, default)
+
+    def copy(self) -> dict[str, str]:
+        """Return the variables that are set."""
+        return dict(self)
+
+    def _note(self, name: str) -> None:
+        callers = (sys._getframe(2), sys._getframe(2).f_back)  # the launch file may call `os.getenv`
+        if any(frame is not None and frame.f_code.co_filename == self._file for frame in callers):
+            self.missing.append(name)
+
+
+def _parsed(path: Path, shown: str) -> ast.Module:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of escapes in a stranger's texts
+            return ast.parse(bounded_files.read(path), str(path))
+    except OSError as error:
+        raise UnreadableFileError(Span(shown), f"cannot read the file: {error.strerror or error}") from error
+    except SyntaxError as error:
+        place = Span(shown, error.lineno or 0, error.offset or 0)
+        raise UnreadableFileError(place, f"not valid Python: {error.msg}") from error
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise UnreadableFileError(Span(shown), f"not valid Python: {error}") from error
+
+
+def line_of_launch_description(tree: ast.Module) -> int:
+    """Return the line of the function that `ros2 launch` calls; 0 for a Python file without it, which does not run."""
+    lines = (
+        node.lineno
+        for node in ast.walk(tree)
+        if (isinstance(node, ast.FunctionDef) and node.name == _FUNCTION)
+        or (isinstance(node, ast.alias) and _FUNCTION in (node.name, node.asname))
+        or (isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and node.id == _FUNCTION)
+    )
+    return next(lines, 0)
+
+
+def is_launch_program(path: Path) -> bool:
+    """Return true if a Python file can be read, and declares the function that `ros2 launch` calls."""
+    try:
+        return line_of_launch_description(_parsed(path, str(path))) > 0
+    except UnreadableFileError:
+        return True  # so that the check says why
 
 
 _REPLACED = frozenset({"launch", "launch_ros", "launch_xml", "launch_yaml", "nav2_common", "ament_index_python"})
@@ -125,13 +216,3 @@ def _is_beside(module: Any, folder: Path) -> bool:
     """Return true for a module of the launch file's folder; another file may have one with the same name."""
     file: str | None = getattr(module, "__file__", None)
     return file is not None and Path(file).is_relative_to(folder)
-
-
-def _is_refusal(error: BaseException) -> bool:
-    """Return true if a launch file itself refuses values of its arguments, or what it finds on this computer."""
-    last = traceback.extract_tb(error.__traceback__)[-1]
-    return (last.line or "").startswith(("raise ", "sys.exit", "exit("))
-
-
-def _source_of(error: BaseException) -> str:
-    return " ".join(frame.name + (frame.line or "") for frame in traceback.extract_tb(error.__traceback__))

@@ -9,6 +9,7 @@ accepts everything and starts nothing.
 from __future__ import annotations
 
 import ast
+import os
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -39,8 +40,11 @@ from check_launch.expansion.actions import (
     SetRemap,
     StartNode,
 )
+from check_launch.expansion.entities import UnreadableFileError, compose
 from check_launch.expansion.launch_context import Context, Packages
+from check_launch.expansion.launch_imports import Ignored
 from check_launch.expansion.substitutions import Substitution, UnknownTextError, is_true, text_of
+from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 OPTIONS_OF_NODES = frozenset(
@@ -61,21 +65,6 @@ OPTIONS_OF_NODES = frozenset(
     | {"node_namespace", "package_name", "description"}
 )
 """Keyword arguments of Node, ComposableNode and of the actions below them (launch, launch_ros)."""
-
-
-class Ignored:
-    """An object of a launch file that starts nothing, or that these stand-ins do not know."""
-
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        """Accept everything."""
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        return Ignored()
-
-    def __call__(self, *arguments: Any, **options: Any) -> Ignored:
-        return self
 
 
 class LaunchDescription:
@@ -187,12 +176,12 @@ class HasNodeParams(Substitution):
         self.source_file, self.node_name = source_file, node_name
 
     def perform(self, context: substitutions.Surroundings) -> str:
-        path = Path(text_of(self.source_file, context))
+        path = text_of(self.source_file, context)
         try:
-            data = yaml.safe_load(path.read_text(encoding="utf-8"))
-        except (OSError, yaml.YAMLError) as error:
-            raise UnknownTextError(str(path)) from error
-        return str(isinstance(data, dict) and self.node_name in data)
+            root = compose(bounded_files.read_text(path), path)
+        except (OSError, UnreadableFileError) as error:
+            raise UnknownTextError(path) from error
+        return str(isinstance(root, yaml.MappingNode) and self.node_name in {key.value for key, _ in root.value})
 
     def stored(self) -> Any:
         return {"unknown": ""}
@@ -281,15 +270,16 @@ class StandIns:
         }
         share, packages = self._packages.share, self._packages
 
-        class LaunchContext(Context):
-            def __init__(self, **_: Any) -> None:
-                super().__init__(packages)
-
         class FindPackageShare(substitutions.FindPackageShare):
             def find(self, package: str) -> str:
                 return share(package)
 
         of_substitutions["FindPackageShare"] = FindPackageShare
+
+        class LaunchContext(Context):
+            def __init__(self, **_: Any) -> None:
+                Context.__init__(self, packages, environment=dict(os.environ))
+
         own = (
             {}  # what a launch file derives its own classes from
             if real_launch.is_installed()
@@ -341,6 +331,7 @@ class StandIns:
             "get_package_share_directory": self._packages.share,
             "get_package_share_path": lambda name: Path(self._packages.share(name)),
             "get_package_prefix": self._packages.share,
+            "PackageNotFoundError": KeyError,
         }
         contents: dict[str, Mapping[str, Any]] = {
             "launch": own,
@@ -378,7 +369,12 @@ class StandIns:
         }
         modules = {name: _module(name, names) for name, names in contents.items()}
         if real_launch.is_installed():
-            modules = {name: real_launch.recording(name, contents[name]) or module for name, module in modules.items()}
+            inner = (name for name in sys.modules if name.rpartition(".")[0] in contents and name not in contents)
+            contents |= {name: contents[name.rpartition(".")[0]] for name in list(inner)}
+            modules = {
+                name: real_launch.recording(name, names) or modules.get(name) or _module(name, names)
+                for name, names in contents.items()
+            }
         for name, module in modules.items():
             if "." in name:
                 setattr(modules[name.rpartition(".")[0]], name.rpartition(".")[2], module)

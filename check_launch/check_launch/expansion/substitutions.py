@@ -13,9 +13,17 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Protocol
 
+RUN_TIME = "(known at run time only)"
+"""Text that stands for one that only the rover's computer knows, in a Python launch file."""
+_LONGEST = 1 << 20  # letters; an argument that contains itself twice would double with each use
+
 
 class UnknownTextError(Exception):
     """Raised for a text that is known at run time only, such as an argument without a default."""
+
+
+class TooLongTextError(Exception):
+    """Raised for a text that grows beyond all texts of launch files."""
 
 
 class Shares(Protocol):
@@ -283,7 +291,19 @@ class UnknownSubstitution(Substitution):
 
 
 def text_of(value: Any, context: Surroundings) -> str:
-    """Return the text of a value of a launch file: a text, a substitution, or several of them in a row."""
+    """Return the text of a value of a launch file: a text, a substitution, or several of them in a row.
+
+    Raises `UnknownTextError` if it is known at run time only, and `TooLongTextError`.
+    """
+    text = _text_of(value, context)
+    if len(text) > _LONGEST:
+        raise TooLongTextError(f"a text has more than {_LONGEST} letters")
+    if RUN_TIME in text:
+        raise UnknownTextError(text)
+    return text
+
+
+def _text_of(value: Any, context: Surroundings) -> str:
     if isinstance(value, str):
         return value
     if hasattr(value, "perform"):  # substitutions of a launch file may be classes of its own

@@ -1,48 +1,103 @@
-"""``python -m check_launch.extraction``: write the catalogue of a distribution from checkouts of sources."""
+"""Extract the catalogues of all distributions from the sources of the packages, and say what has changed.
+
+The repositories and their branches stand in sources.yaml. A repository that is not in the folder of the sources is
+cloned there from GitHub; one that is there, as a clone or a mirror, is not fetched again.
+
+Example: python -m check_launch.extraction ~/sources --distribution humble
+"""
 
 from __future__ import annotations
 
 import argparse
 import subprocess
 import sys
+import tempfile
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
-from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, file_of, text_of
-from check_launch.catalogue.facts import Source
-from check_launch.extraction.assembling import Assembler, Checkout
+import yaml
+
+from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, file_of, read_catalogue, text_of
+from check_launch.catalogue.facts import Catalogue
+from check_launch.extraction.assembling import Assembler, Checkout, packages_in
+from check_launch.extraction.git_sources import exported
 from check_launch.extraction.launch_files import launch_files_of
 from check_launch.extraction.supplement import read_supplement
 from roverlink.runtime.atomic_files import write_whole
 
+_SOURCES = Path(__file__).with_name("sources.yaml")
+
 
 def main() -> int:
-    """Read the checkouts, write the catalogue, and print what could not be extracted. Return the exit code."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--distribution", required=True, choices=DISTRIBUTIONS)
-    parser.add_argument("sources", nargs="+", type=Path, help="git checkouts, each at the version for the distribution")
-    parser.add_argument("--output", type=Path, help="file to write (default: the catalogue in this package)")
+    """Extract the catalogues, print what has changed and what could not be extracted. Return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="folder with the repositories, named as in sources.yaml")
+    parser.add_argument("--distribution", choices=DISTRIBUTIONS, nargs="+", default=DISTRIBUTIONS)
+    parser.add_argument("--sources", type=Path, default=_SOURCES, help="list of repositories (default: sources.yaml)")
+    parser.add_argument("--output", type=Path, help="folder to write into (default: that of the catalogues)")
     arguments = parser.parse_args()
-    supplement = read_supplement()
-    assembler = Assembler((_checkout(folder) for folder in arguments.sources), supplement)
-    launch_files = {
-        package: dict(launch_files_of(folder))
-        for package, folder in assembler.folders()
-        if package in supplement.launch_files
-    }
-    catalogue = assembler.catalogue(arguments.distribution, launch_files)
-    write_whole(arguments.output or file_of(arguments.distribution), text_of(catalogue).encode())
-    for name in sorted(assembler.unexplained):
-        print(f"not explained: {name}", file=sys.stderr)
-    print(f"{len(catalogue.packages)} packages, {len(catalogue.classes)} classes, {len(catalogue.plugins)} plugins")
+    listed = yaml.safe_load(arguments.sources.read_text(encoding="utf-8"))
+    for name, stated in listed.items():
+        if not (arguments.folder / name).exists():
+            clone = ["git", "clone", "--quiet", "--bare", f"https://github.com/{stated['from']}", name]
+            subprocess.run(clone, cwd=arguments.folder, check=True)  # noqa: S603  # names of our own list
+    for distribution in arguments.distribution:
+        _extract(distribution, listed, arguments.folder, arguments.output)
     return 0
 
 
-def _checkout(folder: Path) -> Checkout:
-    log = ["git", "-C", str(folder), "log", "-1", "--format=%H %cs"]
-    # Whoever maintains the catalogue has chosen the folder; git comes from the PATH, as for other commands.
-    done = subprocess.run(log, check=True, capture_output=True, text=True)  # noqa: S603
-    commit, date = done.stdout.split()
-    return Checkout(folder.name, folder, Source(folder.name, commit, date))
+def _extract(distribution: str, listed: Mapping[str, Any], repositories: Path, output: Path | None) -> None:
+    supplement = read_supplement()
+    with tempfile.TemporaryDirectory() as folder:
+        assembler = Assembler(_checkouts(distribution, listed, repositories, Path(folder)), supplement)
+        launch_files = {
+            package: dict(launch_files_of(path))
+            for package, path in assembler.folders()
+            if package in supplement.launch_files
+        }
+        catalogue = assembler.catalogue(distribution, launch_files)
+    file = output / f"{distribution}.json" if output else file_of(distribution)
+    before = read_catalogue(distribution) if file_of(distribution).is_file() else None
+    write_whole(file, text_of(catalogue).encode())
+    for name in sorted(assembler.unexplained):
+        print(f"{distribution}: not explained: {name}", file=sys.stderr)
+    for line in _changes(before, catalogue):
+        print(f"{distribution}: {line}")
+    print(
+        f"{distribution}: {len(catalogue.packages)} packages, {len(catalogue.classes)} classes, "
+        f"{len(catalogue.plugins)} plugins"
+    )
+
+
+def _checkouts(distribution: str, listed: Mapping[str, Any], repositories: Path, folder: Path) -> Iterator[Checkout]:
+    """Yield the sources of the repositories that have a version for a distribution."""
+    for name, stated in listed.items():
+        if distribution in stated:
+            inner = folder / name
+            source = exported(repositories / name, name, str(stated[distribution]), inner)
+            yield Checkout(name, inner, source, packages_in(inner), bool(stated.get("supplemented")))
+
+
+def _changes(before: Catalogue | None, after: Catalogue) -> Iterator[str]:
+    """Yield what a catalogue has that the one before had not, and the reverse."""
+    if before is None:
+        return
+    for kind in ("packages", "classes", "plugins"):
+        old: Mapping[str, Any] = getattr(before, kind)
+        new: Mapping[str, Any] = getattr(after, kind)
+        yield from (f"- {kind}: {name}" for name in sorted(old.keys() - new.keys()))
+        yield from (f"+ {kind}: {name}" for name in sorted(new.keys() - old.keys()))
+    for name in sorted(before.classes.keys() & after.classes.keys()):
+        for part in ("parameters", "of_node", "of_parent"):
+            first, second = getattr(before.classes[name], part), getattr(after.classes[name], part)
+            yield from (f"- {name}: {parameter}" for parameter in sorted(first.keys() - second.keys()))
+            yield from (f"+ {name}: {parameter}" for parameter in sorted(second.keys() - first.keys()))
+            both = sorted(first.keys() & second.keys())
+            yield from (f"~ {name}: {parameter}" for parameter in both if first[parameter] != second[parameter])
+        topics = [{(end.kind, end.name) for end in one.classes[name].endpoints} for one in (before, after)]
+        yield from (f"- {name}: {kind} {topic}" for kind, topic in sorted(topics[0] - topics[1]))
+        yield from (f"+ {name}: {kind} {topic}" for kind, topic in sorted(topics[1] - topics[0]))
 
 
 if __name__ == "__main__":

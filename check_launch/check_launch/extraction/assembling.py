@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,9 +22,8 @@ from check_launch.catalogue.facts import (
     SubNode,
     Transform,
 )
-from check_launch.extraction.class_facts import ClassFacts, EndpointFact, facts_of_package
-from check_launch.extraction.cmake_files import programs_and_components
-from check_launch.extraction.plugin_descriptions import plugins_of_package
+from check_launch.extraction.class_facts import ClassFacts, EndpointFact
+from check_launch.extraction.package_facts import PackageFacts, read_package
 from check_launch.extraction.rtabmap_parameters import core_parameters
 from check_launch.extraction.supplement import Supplement
 
@@ -45,19 +44,46 @@ class Checkout:
     name: str
     folder: Path
     source: Source
+    packages: Mapping[str, Path]
+    """Folders of its packages, by their names."""
+    is_supplemented: bool = True
+    """False if supplement.yaml does not state what the program does not understand of these packages.
+
+    Then classes that may have more parameters or topics, and packages that may have more executables, are marked."""
+
+
+def packages_in(folder: Path) -> dict[str, Path]:
+    """Return the folders of the packages in a checkout that build something, without tests and examples."""
+    found: dict[str, Path] = {}
+    for manifest in sorted(folder.rglob("package.xml")):
+        package = manifest.parent
+        if not _TESTS.search(package.relative_to(folder).as_posix()) and (
+            (package / "CMakeLists.txt").is_file() or (package / "setup.py").is_file()
+        ):
+            name = re.search(r"<name>\s*([\w-]+)\s*</name>", manifest.read_text(encoding="utf-8"))
+            found[name[1] if name else package.name] = package
+    return found
 
 
 class Assembler:
     """Joins the facts of all packages to those of whole nodes and plugins."""
 
-    def __init__(self, checkouts: Iterable[Checkout], supplement: Supplement) -> None:
+    def __init__(
+        self,
+        checkouts: Iterable[Checkout],
+        supplement: Supplement,
+        read: Callable[[Path], PackageFacts] = read_package,
+    ) -> None:
+        """``read`` returns the facts of the package in a folder."""
         self._supplement = supplement
         self._packages: dict[str, tuple[Path, Checkout]] = {}
+        self._facts: dict[str, PackageFacts] = {}
         self._classes: dict[str, ClassFacts] = {}
-        self._of_package: dict[str, list[str]] = {}
         self._sets: dict[str, ParameterSet] = {}
         self.unexplained: set[str] = set()
         """Names of parameters with variables that supplement.yaml has to explain."""
+        self._partial: set[str] = set()
+        self._with_marks: set[str] = set()  # classes of packages that the supplement does not complete
         self._sources: dict[str, Source] = {}
         self._of_plugins: set[str] = set()
         self._distribution = ""
@@ -65,35 +91,27 @@ class Assembler:
             self._sources[checkout.name] = checkout.source
             if (checkout.folder / "corelib/include/rtabmap/core/Parameters.h").is_file():
                 self._sets["rtabmap"] = core_parameters(checkout.folder)
-            for manifest in sorted(checkout.folder.rglob("package.xml")):
-                folder = manifest.parent
-                if not _TESTS.search(folder.relative_to(checkout.folder).as_posix()) and (
-                    (folder / "CMakeLists.txt").is_file() or (folder / "setup.py").is_file()
-                ):
-                    name = re.search(r"<name>\s*([\w-]+)\s*</name>", manifest.read_text(encoding="utf-8"))
-                    self._packages[name[1] if name else folder.name] = (folder, checkout)
-        for package, (folder, _) in self._packages.items():
-            facts = facts_of_package(folder) if package != "rtabmap" else {}
-            self._of_package[package] = list(facts)
-            for class_name, of_class in facts.items():
+            for name, folder in checkout.packages.items():
+                self._packages[name] = folder, checkout
+        for package, (folder, checkout) in self._packages.items():
+            self._facts[package] = read(folder) if package != "rtabmap" else PackageFacts()
+            for class_name, of_class in self._facts[package].classes.items():
                 self._classes.setdefault(class_name, of_class)
+                if not checkout.is_supplemented:
+                    self._with_marks.add(class_name)
         self._short: dict[str, list[str]] = {}
         for class_name in self._classes:
             self._short.setdefault(class_name.rpartition("::")[2], []).append(class_name)
 
     def catalogue(self, distribution: str, launch_files: Mapping[str, Mapping[str, Any]]) -> Catalogue:
         """Return the catalogue; ``launch_files`` are descriptions of launch files, by package and path."""
-        plugins = {
-            name: plugin
-            for package, (folder, _) in self._packages.items()
-            for name, plugin in plugins_of_package(folder)
-        }
+        plugins = {name: plugin for facts in self._facts.values() for name, plugin in facts.plugins.items()}
         packages = {name: self._package(name, launch_files.get(name, {})) for name in sorted(self._packages)}
         self._add_programs_without_class()
         wanted = {
             name for package in packages.values() for name in (*package.executables.values(), *package.components)
         }
-        wanted |= {node["class"] for nodes in self._supplement.nodes.values() for node in nodes}
+        wanted |= {node.get("class", "") for nodes in self._supplement.nodes.values() for node in nodes}
         of_plugins = self._of_plugins = {plugin.class_name for plugin in plugins.values()}
         self._distribution = distribution
         classes = {
@@ -107,7 +125,9 @@ class Assembler:
             {
                 name: package
                 for name, package in packages.items()
-                if _is_useful(package, name, plugins) or name in self._sets
+                if not self._packages[name][1].is_supplemented
+                or _is_useful(package, name, plugins)
+                or name in self._sets
             },
             {name: facts for name, facts in classes.items() if facts},
             dict(sorted(plugins.items())),
@@ -120,18 +140,25 @@ class Assembler:
             yield name, folder
 
     def _package(self, name: str, launch_files: Mapping[str, Any]) -> Package:
-        folder, checkout = self._packages[name]
-        built, components = programs_and_components(folder, self._of_package[name])
-        programs = {program.name: self._resolved(program.class_name, "") or "" for program in built}
+        facts = self._facts[name]
+        programs = {
+            program: self._resolved(class_name, "") or "" if class_name else ""
+            for program, class_name in facts.programs.items()
+        }
         stated = {
             key.partition("/")[2]: value
             for key, value in self._supplement.programs.items()
             if key.startswith(f"{name}/")
         }
-        version = re.search(r"<version>\s*([\w.-]+)\s*</version>", (folder / "package.xml").read_text(encoding="utf-8"))
-        known = tuple(self._resolved(component, "") or component for component in components)
+        components = tuple(self._resolved(component, "") or component for component in facts.components)
         return Package(
-            name, version[1] if version else "", checkout.name, {**programs, **stated}, known, dict(launch_files)
+            name,
+            facts.version,
+            self._packages[name][1].name,
+            {**programs, **stated},
+            components,
+            dict(launch_files),
+            facts.is_partial and not self._packages[name][1].is_supplemented,
         )
 
     def _add_programs_without_class(self) -> None:
@@ -175,6 +202,7 @@ class Assembler:
                 kept = parameters if (relative != key) == is_plugin else of_node
                 if relative != key and not is_plugin:
                     self.unexplained.add(f"{name}: {key} (of {member})")
+                    self._partial.add(name)
                     continue
                 known = kept.get(relative)
                 kept[relative] = _merged(known, parameter) if known else parameter
@@ -202,7 +230,12 @@ class Assembler:
                 if slot["parameter"] in parameters
             ),
             tuple(
-                SubNode(node["name"], node["namespace"], node["class"])
+                SubNode(
+                    node.get("name", ""),
+                    node.get("namespace", ""),
+                    node.get("class", ""),
+                    node.get("type_parameter", ""),
+                )
                 for member in names
                 for node in self._supplement.nodes.get(member, [])
             ),
@@ -219,6 +252,16 @@ class Assembler:
             ),
             name in self._supplement.open_topics,
             next((arguments for member in names if (arguments := self._supplement.arguments.get(member))), {}),
+            is_partial=name in self._with_marks and any(map(self._is_partial, names)),
+        )
+
+    def _is_partial(self, name: str) -> bool:
+        """Return true if a class may declare more than was understood: also with base classes that were not read."""
+        bases = (base for base in self._classes[name].bases if base.rpartition("::")[2] not in _NODE_CLASSES)
+        return (
+            self._classes[name].is_partial
+            or name in self._partial
+            or any(self._resolved(base, name) is None for base in bases)
         )
 
     def _members(self, name: str, seen: set[str]) -> Iterator[tuple[str, Sequence[str]]]:
@@ -250,7 +293,7 @@ class Assembler:
 
     def _parameters_of(self, name: str) -> Iterator[tuple[str, Parameter]]:
         facts = self._classes[name]
-        declared = {key: Parameter(fact.type, fact.default) for key, fact in facts.parameters.items()}
+        declared = {key: fact.stated or Parameter(fact.type, fact.default) for key, fact in facts.parameters.items()}
         for key, parameter in declared.items():
             for spelled in self._spelled(key, name):
                 yield spelled, parameter
@@ -270,7 +313,7 @@ class Assembler:
 
     def _spelled(self, key: str, owner: str) -> list[str]:
         """Return the spellings of a pattern whose variables are explained; none if another class declares it."""
-        stated = self._supplement.names.get(owner, {})
+        stated, facts = self._supplement.names.get(owner, {}), self._classes[owner].parameters
         key = _IN_PLUGIN.sub("{plugin}.", key)
         found = [key]
         for variable in dict.fromkeys(_PLACEHOLDER.findall(key)):
@@ -286,10 +329,11 @@ class Assembler:
             unknown = [
                 v
                 for v in _PLACEHOLDER.findall(pattern)
-                if v not in ("#", "plugin", "parent") and f"{{{v}}}" not in _texts(stated)
+                if v not in ("#", "plugin", "parent", *facts) and f"{{{v}}}" not in _texts(stated)
             ]
             if unknown:
                 self.unexplained.add(f"{owner}: {pattern}")
+                self._partial.add(owner)
                 return []
         return found
 
@@ -311,11 +355,14 @@ class Assembler:
                     texts = meaning if isinstance(meaning, list) else [meaning]
                     spelled = [pattern.replace(f"{{{variable}}}", text) for pattern in spelled for text in texts]
             found += spelled
-        return [
+        known = [
             pattern
             for pattern in found
             if not (set(_PLACEHOLDER.findall(pattern)) - {"node", "#", "plugin"} - _lists(stated))
         ]
+        if len(known) < len(found):
+            self._partial.add(owner)
+        return known
 
     def _relative(self, text: str, owner: str) -> str:
         """Remove the plugin's own name from the parameters in a text: ``$({name_}.topic)`` becomes ``$(topic)``."""

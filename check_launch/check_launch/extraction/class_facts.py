@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from check_launch.catalogue.facts import Parameter
+from check_launch.expansion.source_trees import source_folders
 from check_launch.extraction.cpp_expressions import Scope, declared_type, first_values
 from check_launch.extraction.cpp_source import Call, CppSource
+from check_launch.extraction.parameter_library import parameter_libraries
 from check_launch.extraction.qos_profiles import qos_of
+from roverlink import bounded_files
 
 _SUFFIXES = (".cpp", ".hpp", ".h", ".cc")
 _NO_NODES = ("test", "tests", "benchmark", "examples_tf2_py")
@@ -40,6 +45,30 @@ _FILTER = re.compile(r"message_filters::Subscriber<\s*([\w:]+)")
 _ALIAS = re.compile(r"\busing\s+(\w+)\s*=\s*([^;]+);|\btypedef\s+([^;]+?)\s+(\w+)\s*;")
 _NAMED = re.compile(r"\b(\w+)::\1\([^{};]*?\)\s*:\s*(?:\w+::)*\w+\(\s*\"(\w+)\"")
 """A constructor that gives a name to its base class, a node."""
+_GIVEN = re.compile(r"[(,]\s*\*?(?:this|shared_from_this\(\)|weak_from_this\(\)|get_node\(\))\s*(?=[,)])")
+"""A node as an argument of a call."""
+_HARMLESS = frozenset(
+    {"TransformBroadcaster", "TransformListener", "StaticTransformBroadcaster", "MessageFilter", "Subscriber", "bind"}
+    | {"create_server", "create_client", "create_timer", "create_publisher", "create_subscription", "subscribe"}
+    | {"create_camera_publisher", "create_camera_subscription", "createTimerROS", "CreateTimerROS", "ImageTransport"}
+    | {
+        "spin",
+        "spin_some",
+        "add_node",
+        "mem_fn",
+        "ref",
+        "static_cast",
+        "dynamic_cast",
+        "get_logger",
+        "if",
+        "ParamListener",
+    }
+    | {"create_service", "create_generic_subscription", "CameraInfoManager", "JointStateListener", "sizeof", "Rate"}
+    | set(_DECLARING)
+)
+"""Functions and classes that declare no parameters of a node."""
+_OPEN = re.compile(r"\b(?:automatically_declare_parameters_from_overrides|allow_undeclared_parameters)\s*\(\s*true")
+_LARGEST = 1 << 20  # bytes of a C++ file; larger ones are data
 _PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 _SCALAR = re.compile(r"^\{\w+\}$")
 
@@ -50,6 +79,8 @@ class ParameterFact:
 
     type: str
     default: Any
+    stated: Parameter | None = None
+    """The parameter as a library of parameters states it, with its range."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,24 +107,28 @@ class ClassFacts:
     texts, or ``$(x)`` for the value of the parameter x."""
     parameters: dict[str, ParameterFact] = field(default_factory=dict)
     endpoints: list[EndpointFact] = field(default_factory=list)
+    is_partial: bool = False
+    """True if the class may declare more, because it gives its node to code that was not read."""
 
 
 def facts_of_package(folder: Path) -> dict[str, ClassFacts]:
     """Read the classes of the package in a folder, by their qualified names."""
-    sources = {path: CppSource(path.read_text(encoding="utf-8", errors="replace")) for path in _files(folder)}
-    return _PackageReader(sources).read()
+    sources: dict[Path, CppSource] = {}
+    for path in _files(folder):
+        with contextlib.suppress(OSError):  # a file that is not readable, or too large to be source code
+            sources[path] = CppSource(bounded_files.read(path, _LARGEST).decode(errors="replace"))
+    return _PackageReader(sources, parameter_libraries(folder)).read()
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    for path in sorted(folder.rglob("*")):
-        inner = path.relative_to(folder).parts
-        if path.suffix in _SUFFIXES and not set(inner[:-1]) & set(_NO_NODES) and path.is_file():
-            yield path
+    for inner, _, names in source_folders(folder):
+        if not set(inner.relative_to(folder).parts) & set(_NO_NODES):
+            yield from (inner / name for name in names if name.endswith(_SUFFIXES) and (inner / name).is_file())
 
 
 class _PackageReader:
-    def __init__(self, sources: Mapping[Path, CppSource]) -> None:
-        self._sources = sources
+    def __init__(self, sources: Mapping[Path, CppSource], libraries: Mapping[str, Mapping[str, Parameter]]) -> None:
+        self._sources, self._libraries = sources, libraries
         self._classes: dict[str, ClassFacts] = {}
         self._names: set[str] = set()
         self._aliases: dict[str, str] = {}
@@ -122,6 +157,8 @@ class _PackageReader:
             self._note(source, call)
         for source in self._sources.values():
             self._note_members(source)
+            self._note_library(source)
+            self._note_given(source)
             for match in _NAMED.finditer(source.text):
                 if owner := self._declared(source.owner(match.end())):
                     facts = self._facts(owner)
@@ -320,6 +357,43 @@ class _PackageReader:
             owner = self._declared(source.owner(match.start()))
             if owner and match[1].rpartition("::")[2] in short:
                 self._facts(owner).parts.setdefault(match[1], set())
+
+    def _note_library(self, source: CppSource) -> None:
+        """Give the parameters of a library to the class that has its `ParamListener`."""
+        for match in re.finditer(r"\b(?:(\w+)::)?ParamListener\b", source.text):
+            owner = self._declared(source.owner(match.start()))
+            included = [
+                name for name in self._libraries if re.search(rf"[/\"<]{re.escape(name)}\.hpp[\">]", source.text)
+            ]
+            for name in included if owner else ():
+                for key, parameter in self._libraries[name].items():
+                    self._facts(owner).parameters.setdefault(
+                        key, ParameterFact(parameter.type, parameter.default, parameter)
+                    )
+
+    def _note_given(self, source: CppSource) -> None:
+        """Mark classes that give their node to a function that was not read, which may declare more."""
+        for match in _GIVEN.finditer(source.text):
+            owner = self._declared(source.owner(match.start()))
+            if owner and (function := _called_with(source.text, match.start())) and function not in _HARMLESS:
+                is_read = any(name.rpartition("::")[2] == function for name in self._classes)
+                self._facts(owner).is_partial |= not is_read
+        for match in _OPEN.finditer(source.text):
+            if owner := self._declared(source.owner(match.start())):
+                self._facts(owner).is_partial = True
+
+
+def _called_with(text: str, position: int) -> str:
+    """Return the name of the function of which an argument stands at a position; empty if there is none."""
+    depth = 0
+    for index in range(position, max(0, position - 500), -1):
+        depth += (text[index] in ")]}") - (text[index] in "([{")
+        if depth < 0:
+            found = re.search(r"(\w+)\s*(?:<([^;{}()]*)>)?\s*$", text[max(0, index - 200) : index])
+            if found and found[1] in _MAKING and found[2]:
+                return re.sub(r"<.*", "", found[2]).strip().rpartition("::")[2]
+            return found[1] if found else ""
+    return ""
 
 
 def _items(name: str, default: list[str], scope: Scope) -> dict[str, ParameterFact]:

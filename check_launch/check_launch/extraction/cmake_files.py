@@ -4,62 +4,110 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 _COMMENT = re.compile(r"#[^\n]*")
 _CALL = re.compile(r"\b(\w+)\s*\(([^()]*(?:\([^()]*\)[^()]*)*)\)")
 _VARIABLE = re.compile(r"\$\{(\w+)\}")
 _WORD = re.compile(r'"([^"]*)"|([^\s"]+)')
-_ENTRY_POINT = re.compile(r"['\"]\s*([\w-]+)\s*=\s*[\w.]+:\w+\s*['\"]")
+_ENTRY_POINT = re.compile(r"(?:['\"]|^)\s*([\w.-]+)\s*=\s*([\w.]+):\w+\s*(?:['\"]|$)", re.MULTILINE)
+_OPEN = frozenset({"foreach", "macro", "function", "while"})
+"""Commands of CMake whose executables may have other names than the text says."""
 _MADE = re.compile(r"(?:make_shared|make_unique)\s*<\s*([\w:]+)")
 
 
 @dataclass(frozen=True, slots=True)
 class BuiltProgram:
-    """An executable of a package, with the class of its node as it is written (empty if it is not known)."""
+    """An executable of a package."""
 
     name: str
-    class_name: str
+    class_name: str = ""
+    """Class of the node in C++, as it is written; empty if it is not known."""
+    module: str = ""
+    """Module that a Python program runs, such as ``my_package.camera``; empty for other programs."""
 
 
-def programs_and_components(folder: Path, classes: Iterable[str]) -> tuple[list[BuiltProgram], list[str]]:
-    """Return the executables of the package in a folder, and the classes that it registers as components.
+@dataclass(frozen=True, slots=True)
+class Built:
+    """What the build of a package makes."""
+
+    programs: list[BuiltProgram]
+    components: list[str]
+    """Classes that the package registers as components."""
+    is_partial: bool
+    """True if there may be more executables, with names that the text of the files does not say."""
+
+
+def built_by(folder: Path, classes: Iterable[str]) -> Built:
+    """Return what the build of the package in a folder makes.
 
     ``classes`` are the classes of the package, to find the one that a program's main function uses.
     """
-    programs: dict[str, str] = {}
-    components: list[str] = []
-    names: dict[str, str] = {}
-    short = {name.rpartition("::")[2]: name for name in classes}
+    reader = _Build(folder, {name.rpartition("::")[2]: name for name in classes})
     for path in sorted(folder.rglob("CMakeLists.txt")):
-        if "test" in path.relative_to(folder).parts or "benchmark" in path.relative_to(folder).parts:
-            continue
-        variables = {"PROJECT_NAME": folder.name}
+        if not {"test", "benchmark"} & set(path.relative_to(folder).parts):
+            reader.read(path)
+    for name in ("setup.py", "setup.cfg"):
+        if (folder / name).is_file():
+            text = (folder / name).read_text(encoding="utf-8", errors="replace")
+            reader.programs |= {
+                program: BuiltProgram(program, module=module) for program, module in _ENTRY_POINT.findall(text)
+            }
+    is_other = not any((folder / name).is_file() for name in ("CMakeLists.txt", "setup.py"))
+    spelled = {reader.names.get(target, target): program for target, program in reader.programs.items()}
+    programs = [replace(program, name=name) for name, program in spelled.items() if "$" not in name]
+    is_partial = is_other or reader.is_partial or len(programs) < len(spelled)
+    return Built(sorted(programs, key=lambda program: program.name), sorted(set(reader.components)), is_partial)
+
+
+class _Build:
+    """Reader of the CMakeLists.txt of a package."""
+
+    def __init__(self, folder: Path, short: Mapping[str, str]) -> None:
+        self._folder, self._short = folder, short
+        self.programs: dict[str, BuiltProgram] = {}
+        self.components: list[str] = []
+        self.names: dict[str, str] = {}
+        self.is_partial = False
+
+    def read(self, path: Path) -> None:
+        variables = {"PROJECT_NAME": self._folder.name}
         for function, words in _calls(path.read_text(encoding="utf-8", errors="replace"), variables):
-            if function == "set" and len(words) > 1:
+            if function in _OPEN:
+                self.is_partial = True
+            elif function == "set" and len(words) > 1:
                 variables[words[0]] = words[1]
             elif function == "project" and words:
                 variables["PROJECT_NAME"] = words[0]
-            elif function == "add_executable" and "IMPORTED" not in words and len(words) > 1:
-                programs[words[0]] = _class_of(path.parent, words[1:], short)
+            elif function in ("add_executable", "ament_auto_add_executable") and "IMPORTED" not in words and words:
+                self.programs[words[0]] = BuiltProgram(words[0], _class_of(path.parent, words[1:], self._short))
             elif function == "set_target_properties" and "OUTPUT_NAME" in words:
-                names[words[0]] = words[words.index("OUTPUT_NAME") + 1]
+                self.names[words[0]] = words[words.index("OUTPUT_NAME") + 1]
             elif function == "rclcpp_components_register_nodes":
-                components += words[1:]
+                self.components += words[1:]
             elif function == "rclcpp_components_register_node" and "PLUGIN" in words:
                 class_name = words[words.index("PLUGIN") + 1]
-                components.append(class_name)
+                self.components.append(class_name)
                 if "EXECUTABLE" in words:
-                    programs[words[words.index("EXECUTABLE") + 1]] = class_name
-            elif function == "install" and words and words[0] == "PROGRAMS":
-                programs |= {Path(word).name: "" for word in words[1:] if word.endswith(".py")}
-    setup = folder / "setup.py"
-    if setup.is_file():
-        programs |= dict.fromkeys(_ENTRY_POINT.findall(setup.read_text(encoding="utf-8")), "")
-    spelled = {names.get(target, target): class_name for target, class_name in programs.items()}
-    built = [BuiltProgram(name, class_name) for name, class_name in spelled.items() if "$" not in name]
-    return sorted(built, key=lambda program: program.name), sorted(set(components))
+                    name = words[words.index("EXECUTABLE") + 1]
+                    self.programs[name] = BuiltProgram(name, class_name)
+            elif function == "install" and words:
+                self._installed(path.parent, words)
+
+    def _installed(self, folder: Path, words: list[str]) -> None:
+        """Add the scripts that a package installs as programs."""
+        destination = words[words.index("DESTINATION") + 1] if "DESTINATION" in words[:-1] else ""
+        if "lib/" not in destination and not destination.startswith("$"):
+            return
+        if "RENAME" in words or words[0] in ("DIRECTORY", "FILES"):
+            self.is_partial = True
+        if words[0] == "PROGRAMS":
+            for word in words[1 : words.index("DESTINATION")]:
+                path = Path(word)
+                inside = (folder / path).relative_to(self._folder) if not path.is_absolute() else path
+                module = ".".join(inside.with_suffix("").parts) if path.suffix == ".py" else ""
+                self.programs[path.name] = BuiltProgram(path.name, module=module)
 
 
 def _calls(text: str, variables: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:

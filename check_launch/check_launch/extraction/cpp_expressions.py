@@ -28,6 +28,10 @@ _RESOLVED = re.compile(r"resolve_topic(?:_or_service)?_name\(\s*(\"[^\"]*\")")
 _READ = re.compile(r"get_parameter\(([^()]*)\)\s*\.\s*as_string\(\)$")
 _OF_PARAMETER_TYPE = re.compile(r"PARAMETER_(BOOL|INTEGER|DOUBLE|STRING)(_ARRAY)?\b")
 _IDENTIFIER = re.compile(r"^(?:this->)?[A-Za-z_]\w*$")
+_STATEMENT = r'(?:"(?:\\.|[^"\\\n])*"|[^;"])'
+"""Part of a statement: a literal, which may have a semicolon, or another character."""
+_STATEMENT_START = 300  # most characters of a declaration before the name
+_QUALIFIERS = r"(?:(?:static|const|constexpr|inline|mutable)\s+)*"
 TYPES: Mapping[str, str] = {
     "bool": "bool",
     "double": "double",
@@ -172,8 +176,8 @@ class Scope:
         """Return what the function assigns last to a variable before the place; None if it assigns nothing."""
         found = None
         pattern = (
-            rf"\b{re.escape(name)}\s*(?:(?<![=!<>])=(?!=)\s*(?P<a>[^;]+);"
-            rf"|\((?P<b>[^;]*?)\)\s*;|\{{(?P<c>[^;{{}}]*)\}}\s*;)"
+            rf"\b{re.escape(name)}\s*(?:(?<![=!<>])=(?!=)\s*(?P<a>{_STATEMENT}+);"
+            rf"|\((?P<b>{_STATEMENT}*?)\)\s*;|\{{(?P<c>[^;{{}}]*)\}}\s*;)"
         )
         for match in re.finditer(pattern, self._before):
             before = self._before[: match.start()].rstrip()
@@ -281,13 +285,14 @@ def first_values(texts: Sequence[str], name: str) -> str | None:
         rf"[:,]\s*{escaped}\s*[({{](?P<v>(?:[^(){{}}]|[({{][^(){{}}]*[)}}])*)[)}}]\s*(?=[,{{]|\n)"
     )
     declared = re.compile(
-        rf"(?:^|[;{{}}:\n])\s*(?:static |const |constexpr |inline )*[\w:]+(?:<[^<>;]*>)?\s*[&*]?\s+{escaped}\s*"
-        rf"(?:=\s*(?P<a>[^;]+);|\{{(?P<b>[^;]*)\}}\s*;|\((?P<c>\"[^;]*)\)\s*;)"
+        rf"(?:^|[;{{}}:\n])\s*{_QUALIFIERS}[\w:]+(?:<[^<>;]*>)?\s*[&*]?\s+{escaped}\s*"
+        rf"(?:=\s*(?P<a>{_STATEMENT}+);|\{{(?P<b>[^;]*)\}}\s*;|\((?P<c>\"[^;]*)\)\s*;)"
     )
     defined = re.compile(rf"^\s*#define\s+{escaped}\s+(?P<d>\"[^\n]*\"|[-\d.]+)\s*$", re.MULTILINE)
+    named = [(text, max(0, text.find(name) - _STATEMENT_START)) for text in texts if name in text]
     for pattern in (of_constructor, declared, defined):
-        for text in texts:
-            if match := pattern.search(text):
+        for text, start in named:
+            if match := pattern.search(text, start):
                 return next((value.strip() for value in match.groups() if value is not None), None)
     return None
 
@@ -295,10 +300,17 @@ def first_values(texts: Sequence[str], name: str) -> str | None:
 def declared_type(texts: Sequence[str], name: str) -> str | None:
     """Return the C++ type with which a member is declared."""
     pattern = re.compile(
-        rf"(?:^|[;{{}}:\n])\s*((?:std::)?[\w:]+(?: int| char)?(?:<[\w:, ]+>)?)\s+{re.escape(name)}"
+        rf"(?:^|[;{{}}:\n])\s*{_QUALIFIERS}((?:std::)?[\w:]+(?: int| char)?(?:<[\w:, ]+>)?)\s+{re.escape(name)}"
         rf"\s*(?:[;={{]|\([^)]*\)\s*;)"
     )
     for text in texts:
-        if (match := pattern.search(text)) and match[1] not in ("return", "else", "new"):
+        start = text.find(name)
+        if start < 0:
+            continue
+        if (match := pattern.search(text, max(0, start - _STATEMENT_START))) and match[1] not in (
+            "return",
+            "else",
+            "new",
+        ):
             return match[1]
     return None

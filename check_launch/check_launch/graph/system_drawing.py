@@ -1,64 +1,160 @@
-"""Drawing of a system of nodes as an SVG image: nodes and topics above, the tree of frames below."""
+"""Drawing of a system of nodes: nodes and topics, grouped by packages, and the tree of frames.
+
+Graphviz lays it out: its edges go around boxes. It is a program of its own, which only drawings need.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import shutil
+import subprocess
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from html import escape
 
-from check_launch.graph.layered_layout import Box, layered
-from check_launch.rules.system import Connection, System
+from check_launch.rules.system import Connection, RunningNode, System
+from roverlink.runtime.core.errors import SetupError
 
-_LETTER = 7.2
-"""Width of a letter in pixels, in the font of the drawing."""
-_HEIGHT, _MARGIN = 26.0, 24.0
-_STYLE = """
-text { font: 12px "DejaVu Sans Mono", "Liberation Mono", monospace; dominant-baseline: central; text-anchor: middle }
-.node rect { fill: #dbe9f6; stroke: #2f6ea5 } .unknown rect { fill: #eee; stroke: #999; stroke-dasharray: 4 3 }
-.topic rect { fill: #fff; stroke: #888 } .open rect { stroke: #c0392b; stroke-width: 2 } .open text { fill: #c0392b }
-.frame rect { fill: #e6f4e1; stroke: #4b8b3b }
-path { fill: none; stroke: #777; marker-end: url(#arrow) }
-.title { font-weight: bold; text-anchor: start }
-"""
+_NODE = 'shape=box style=filled fillcolor="#dbe9f6" color="#2f6ea5"'
+_UNKNOWN = 'shape=box style="filled,dashed" fillcolor="#eeeeee" color="#777777"'
+_TOPIC = 'shape=box style="filled,rounded" fillcolor="#ffffff" color="#888888" height=0.25 margin="0.08,0.02"'
+_OPEN = _TOPIC.replace("#888888", "#c0392b") + ' fontcolor="#c0392b"'
+_FRAME = 'shape=box style=filled fillcolor="#e6f4e1" color="#4b8b3b"'
+_LEGEND = (
+    ("#dbe9f6", "node"),
+    ("#eeeeee", "node that is not known"),
+    ("#ffffff", "topic with several ends; between two nodes, its name stands at the arrow"),
+    ("#f6d5d1", "topic of which a needed end is missing"),
+    ("#e6f4e1", "frame; at the arrow, the node that publishes the transform"),
+)
 
 
-def graph_of(system: System, title: str) -> str:
-    """Return an SVG image. Topics that only one end uses are left out, unless a node needs the other end (red)."""
+def svg_of(system: System, title: str) -> str:
+    """Return the drawing as an SVG image. Raises `SetupError` if Graphviz is not installed, or fails."""
+    program = shutil.which("dot")
+    if program is None:
+        raise SetupError("drawings need Graphviz (apt-get install graphviz); a FILE.dot can be written without it")
+    done = subprocess.run(  # noqa: S603  # the program of the PATH, with a text of our own
+        [program, "-Tsvg"], input=dot_of(system, title), capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        raise SetupError(f"Graphviz cannot draw this: {done.stderr.strip()}")
+    return done.stdout
+
+
+def dot_of(system: System, title: str) -> str:
+    """Return the drawing in Graphviz's language DOT.
+
+    Topics that only one end uses are left out, unless a node needs the other end (red). Transforms and parameters are
+    no edges: the frames have a tree of their own.
+    """
     topics = _topics(system)
-    labels: dict[str, tuple[str, str]] = {}
-    edges: list[tuple[str, str]] = []
-    for node in system.nodes:
-        labels[node.full_name] = node.full_name.removeprefix("/"), "node" if node.facts else "unknown"
-    for topic, ends in topics.items():
-        kinds = {end.endpoint.kind for end in ends}
-        labels[f"topic {topic}"] = topic, "topic" if len(kinds) == 2 else "topic open"
-        for connection in ends:
-            pair = (connection.node.full_name, f"topic {topic}")
-            edges.append(pair if connection.endpoint.kind == "publisher" else (pair[1], pair[0]))
-    frames = sorted({(parent, child) for node in system.nodes for parent, child in node.transforms})
-    frame_labels = {f"frame {frame}": (frame, "frame") for pair in frames for frame in pair}
-    above = layered(_sizes(labels), edges, (56.0, 10.0))
-    below = layered(_sizes(frame_labels), [(f"frame {a}", f"frame {b}") for a, b in frames], (40.0, 8.0))
-    height = max((box.y + box.height for box in above.values()), default=0.0)
-    top, bottom = _MARGIN * 2.5, height + _MARGIN * 5.5
-    placed = _shifted(above, top) | _shifted(below, bottom)
-    width = max((box.x + box.width for box in placed.values()), default=0.0) + _MARGIN
-    total = max((box.y + box.height for box in placed.values()), default=0.0) + _MARGIN
-    edges += [(f"frame {a}", f"frame {b}") for a, b in frames]
-    size, attributes = f"{width:.0f} {total:.0f}", f'width="{width:.0f}" height="{total:.0f}"'
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size}" {attributes}>',
-        f"<title>{escape(title)}</title>",
-        f"<style>{_STYLE}</style>",
-        '<defs><marker id="arrow" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
-        '<path d="M0 0L8 4L0 8z" style="fill:#777;stroke:none;marker-end:none"/></marker></defs>',
-        f'<rect width="{width:.0f}" height="{total:.0f}" fill="#fff"/>',
-        f'<text class="title" x="{_MARGIN}" y="{_MARGIN}">{escape(title)}</text>',
-        *([f'<text class="title" x="{_MARGIN}" y="{bottom - _MARGIN:.0f}">frames</text>'] if frames else []),
-        *(_edge(placed[start], placed[end]) for start, end in sorted(set(edges))),
-        *(_box(placed[name], *label) for name, label in sorted({**labels, **frame_labels}.items())),
-        "</svg>",
+        "digraph system {",
+        "  graph [rankdir=TB ranksep=0.35 nodesep=0.06 fontname=Helvetica fontsize=11 labelloc=t "
+        f"label={_legend(title)}]",
+        '  node [fontname=Helvetica fontsize=11 height=0.3 margin="0.1,0.04"]',
+        '  edge [fontname=Helvetica fontsize=10 color="#777777" arrowsize=0.6]',
+        *_groups(system.nodes, {end.node.full_name for ends in topics.values() for end in ends}),
+        *_edges(topics),
+        *_frames(system),
+        "}",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _legend(title: str) -> str:
+    rows = "".join(
+        f'<tr><td bgcolor="{color}" border="1" width="20"></td><td align="left">{text}</td></tr>'
+        for color, text in _LEGEND
+    )
+    return (
+        '<<table border="0" cellborder="0" cellspacing="2">'
+        f'<tr><td colspan="2" align="left"><b>{escape(title)}</b></td></tr>{rows}</table>>'
+    )
+
+
+def _groups(nodes: Iterable[RunningNode], connected: Collection[str]) -> Iterator[str]:
+    """Yield the nodes in clusters: those of one package, or of packages whose names begin with the same word.
+
+    The nodes of a cluster that have no topics here share a box.
+    """
+    packages = {node.started.package or "" for node in nodes}
+    words = [package.partition("_")[0] for package in packages]
+    groups: dict[str, list[RunningNode]] = {}
+    for node in nodes:
+        package = node.started.package or ""
+        word = package.partition("_")[0]
+        groups.setdefault(word if words.count(word) > 1 else package, []).append(node)
+    for index, (name, members) in enumerate(sorted(groups.items())):
+        yield f'  subgraph cluster_{index} {{ label={_quoted(name)} labeljust=l style=rounded color="#bbbbbb"'
+        for node in members:
+            if node.full_name in connected:
+                label = _quoted(node.full_name.removeprefix("/"))
+                yield f"    {_quoted(node.full_name)} [{_NODE if node.facts else _UNKNOWN} label={label}]"
+        for is_known, style in ((True, _NODE), (False, _UNKNOWN)):
+            alone = [one for one in members if one.full_name not in connected and (one.facts is not None) == is_known]
+            label = _quoted(_lines(one.full_name.removeprefix("/") for one in alone))
+            yield from (f"    {_quoted(f'alone {index} {is_known}')} [{style} label={label}]" for _ in alone[:1])
+        yield "  }"
+
+
+def _edges(topics: Mapping[str, list[Connection]]) -> Iterator[str]:
+    """Yield arrows: from node to node for topics with two ends, otherwise to and from a box for the topic."""
+    between: dict[tuple[str, str], list[str]] = {}
+    for topic, connections in topics.items():
+        ends = {
+            kind: list(dict.fromkeys(one.node.full_name for one in connections if one.endpoint.kind == kind))
+            for kind in ("publisher", "subscription")
+        }
+        if len(ends["publisher"]) == len(ends["subscription"]) == 1:
+            between.setdefault((ends["publisher"][0], ends["subscription"][0]), []).append(topic.removeprefix("/"))
+            continue
+        box = _quoted(f"topic {topic}")
+        is_whole = all(ends.values())
+        yield f"  {box} [{_TOPIC if is_whole else _OPEN} fontsize=9 label={_quoted(topic.removeprefix('/'))}]"
+        yield from (f"  {_quoted(node)} -> {box} [arrowhead=none]" for node in ends["publisher"])
+        yield from (f"  {box} -> {_quoted(node)}" for node in ends["subscription"])
+    for (first, second), names in sorted(between.items()):
+        yield f"  {_quoted(first)} -> {_quoted(second)} [label={_quoted(_lines(names))}]"
+
+
+def _frames(system: System) -> Iterator[str]:
+    """Yield the tree of frames, with the nodes that publish the transforms.
+
+    Frames below another one that only one node publishes, as those of a camera, share a box.
+    """
+    publishers: dict[tuple[str, str], set[str]] = {}
+    for node in system.nodes:
+        for pair in node.transforms:
+            publishers.setdefault(pair, set()).add(node.name)
+    children: dict[str, list[str]] = {}
+    for parent, child in sorted(publishers):
+        children.setdefault(parent, []).append(child)
+    folded: set[str] = set()
+    for parent in sorted(children, key=lambda frame: (-len(_below(frame, children)), frame)):
+        below = _below(parent, children)
+        of = set().union(*(publishers[pair] for pair in publishers if pair[1] in below))
+        if parent not in folded and len(below) > 2 and len(of) == 1:
+            folded |= below
+            yield f"  {_quoted(f'below {parent}')} [{_FRAME} label={_quoted(f'{len(below)} frames')}]"
+            arrow = f"{_quoted(f'frame {parent}')} -> {_quoted(f'below {parent}')}"
+            yield f"  {arrow} [label={_quoted(of.pop())}]"
+    for frame in sorted({frame for pair in publishers for frame in pair} - folded):
+        yield f"  {_quoted(f'frame {frame}')} [{_FRAME} label={_quoted(frame)}]"
+    for (parent, child), names in sorted(publishers.items()):
+        if child not in folded:
+            label = _quoted(_lines(sorted(names)))
+            yield f"  {_quoted(f'frame {parent}')} -> {_quoted(f'frame {child}')} [label={label}]"
+
+
+def _below(frame: str, children: Mapping[str, list[str]]) -> set[str]:
+    """Return all frames below a frame; a cycle ends where it began."""
+    found: set[str] = set()
+    waiting = [frame]
+    while waiting:
+        new = set(children.get(waiting.pop(), ())) - found
+        found |= new
+        waiting += new
+    return found
 
 
 def _topics(system: System) -> Mapping[str, list[Connection]]:
@@ -76,29 +172,14 @@ def _topics(system: System) -> Mapping[str, list[Connection]]:
 
 
 def _is_of_all(topic: str) -> bool:
-    return topic.rpartition("/")[2] in ("tf", "tf_static", "clock", "rosout", "parameter_events")
+    return topic.rpartition("/")[2] in ("tf", "tf_static", "clock", "rosout", "parameter_events", "diagnostics")
 
 
-def _sizes(labels: Mapping[str, tuple[str, str]]) -> dict[str, tuple[float, float]]:
-    return {name: (len(text) * _LETTER + 18, _HEIGHT) for name, (text, _) in labels.items()}
+def _lines(names: Iterable[str]) -> str:
+    return "\n".join(names)
 
 
-def _shifted(boxes: Mapping[str, Box], y: float) -> dict[str, Box]:
-    return {name: Box(box.x + _MARGIN, box.y + y, box.width, box.height) for name, box in boxes.items()}
-
-
-def _box(box: Box, text: str, kind: str) -> str:
-    radius = 13 if "topic" in kind else 4
-    rectangle = (
-        f'<rect x="{box.x:.1f}" y="{box.y:.1f}" width="{box.width:.1f}" height="{box.height:.1f}" rx="{radius}"/>'
-    )
-    x, y = box.x + box.width / 2, box.y + box.height / 2
-    return f'<g class="{kind}">{rectangle}<text x="{x:.1f}" y="{y:.1f}">{escape(text)}</text></g>'
-
-
-def _edge(start: Box, end: Box) -> str:
-    """Return a curve from the right side of a box to the left side of another one."""
-    x1, y1 = start.x + start.width, start.y + start.height / 2
-    x2, y2 = end.x, end.y + end.height / 2
-    bend = max(30.0, abs(x2 - x1) / 2)
-    return f'<path d="M{x1:.1f} {y1:.1f}C{x1 + bend:.1f} {y1:.1f} {x2 - bend:.1f} {y2:.1f} {x2:.1f} {y2:.1f}"/>'
+def _quoted(text: str) -> str:
+    """Return a text in the quotation marks of DOT."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'

@@ -7,14 +7,17 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from check_launch.catalogue.facts import OWN_SOURCE, Catalogue
-from check_launch.expansion.entities import UnreadableFileError
-from check_launch.expansion.expander import Expander, Expansion, variations
+from check_launch.expansion.child_process import DEFAULT_LIMITS, Limits
+from check_launch.expansion.entities import UnreadableFileError, text_of_file
+from check_launch.expansion.expander import Expander, Expansion
 from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.parameter_files import NoParametersError, ParameterFile, is_parameter_file
+from check_launch.expansion.python_files import is_launch_program
+from check_launch.expansion.source_trees import source_folders
 from check_launch.misspellings import did_you_mean, is_misspelling
 from check_launch.rules.frame_findings import frame_findings
 from check_launch.rules.launch_rules import (
@@ -30,6 +33,7 @@ from check_launch.rules.parameter_findings import parameter_findings, used_param
 from check_launch.rules.section_findings import Sections
 from check_launch.rules.system import System, Variants, system_of
 from check_launch.rules.topic_findings import ends_of, topic_findings, used_remappings
+from roverlink import bounded_files
 from roverlink.console import counted
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span, in_order
 
@@ -47,7 +51,7 @@ class Checked:
     """System that each launch file starts with the defaults of its arguments, by the name of the file."""
     launch_files: int = 0
     evaluated: int = 0
-    """Launch files whose actions are all known."""
+    """Launch files that were evaluated to their end."""
     parameter_files: int = 0
     read: int = 0
     """Parameter files with a section of a node that the catalogue knows."""
@@ -68,8 +72,13 @@ class Checked:
 class Checker:
     """Checks files with the facts of a catalogue."""
 
-    def __init__(self, catalogue: Catalogue, packages: Iterable[Path], complete: bool = False) -> None:
-        """``packages`` are folders with packages; ``complete`` says that each launch file starts everything."""
+    def __init__(
+        self, catalogue: Catalogue, packages: Packages, complete: bool = False, limits: Limits = DEFAULT_LIMITS
+    ) -> None:
+        """``packages`` are those of the source trees; ``complete`` says that each launch file starts everything.
+
+        ``limits`` are those of the processes in which launch files run.
+        """
         self._catalogue, self._complete = catalogue, complete
         stored = {
             (name, path): actions
@@ -84,9 +93,10 @@ class Checker:
             if class_name in catalogue.classes
             for endpoint in catalogue.classes[class_name].endpoints
         ]
-        self._expander = Expander(
-            Packages(packages), shown_path, stored, catalogue.packages, {"ROS_DISTRO": catalogue.distribution}
-        )
+        # Launch files may change the current folder of the process in which they run.
+        shown = partial(shown_path, start=os.getcwd())
+        environment = {"ROS_DISTRO": catalogue.distribution, "ROS_VERSION": "2"}
+        self._expander = Expander(packages, shown, stored, catalogue.packages, limits, environment)
 
     def check(self, files: Iterable[Path], arguments: Mapping[str, str]) -> Checked:
         """Check launch files with some values of their arguments, and parameter files."""
@@ -138,9 +148,7 @@ class Checker:
         wanted: Collection[str] | None = None,
     ) -> None:
         """Check a launch file; with ``wanted``, only if it gives one of these parameter files to a node."""
-        expansion = self._expander.expand(path, arguments)
-        expansions = [expansion]
-        expansions += [self._expander.expand(path, {**arguments, **values}) for values in variations(expansion)]
+        expansions = self._expander.variants(path, arguments)
         systems = [system_of(expanded, self._catalogue) for expanded in expansions]
         if wanted is not None and not any(
             use.shown in wanted for system in systems for node in system.nodes for use in node.started.files
@@ -155,7 +163,7 @@ class Checker:
             frozenset().union(*map(used_remappings, systems)),
             frozenset().union(*map(ends_of, systems)),
         )
-        complete = self._complete or _COMPLETE.search(path.read_text(encoding="utf-8")) is not None
+        complete = self._complete or _COMPLETE.search(text_of_file(path, shown_path(str(path)))) is not None
         known: set[tuple[object, ...]] = set()
         for expanded, system in zip(expansions, systems, strict=True):
             varied = ((name, value) for name, value in expanded.arguments.items() if name not in arguments)
@@ -193,9 +201,9 @@ def _loaders(parameter_file: Path) -> Iterator[Path]:
     """Yield the YAML and XML launch files of the package of a parameter file that name it."""
     folder = parameter_file.resolve().parent
     top = next((parent for parent in (folder, *folder.parents) if (parent / "package.xml").is_file()), folder)
-    for path in sorted(top.rglob("*")):
+    for path in (inner / name for inner, _, names in source_folders(top) for name in names):
         is_plain = path.name.endswith(LAUNCH_ENDINGS) and path.suffix != ".py"
-        if is_plain and path.is_file() and parameter_file.name in path.read_text(encoding="utf-8", errors="replace"):
+        if is_plain and path.is_file() and parameter_file.name in _text_of(path):
             yield path
 
 
@@ -210,7 +218,10 @@ def _of_included(finding: Diagnostic, launch_files: Iterable[Path]) -> Diagnosti
 
 @cache
 def _text_of(path: Path) -> str:
-    return path.read_text(encoding="utf-8", errors="replace")
+    try:
+        return bounded_files.read(path).decode(errors="replace")
+    except OSError:
+        return ""
 
 
 def _key(finding: Diagnostic) -> tuple[object, ...]:
@@ -235,29 +246,35 @@ def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
             yield finding
 
 
-def shown_path(path: str) -> str:
-    """Return the name of a file in messages: relative to the current folder, if it is not far from it."""
-    relative = os.path.relpath(path)
+def shown_path(path: str, start: str = os.curdir) -> str:
+    """Return the name of a file in messages: relative to the folder ``start``, if it is not far from it."""
+    relative = os.path.relpath(path, start)
     return path if relative.startswith(os.path.join(os.pardir, os.pardir, os.pardir)) else Path(relative).as_posix()
 
 
 def files_to_check(paths: Iterable[Path], missing: Callable[[Path], None]) -> Iterator[Path]:
     """Yield the launch files and parameter files among paths, and in the folders among them.
 
-    In folders, parameter files that launch files use are checked with these only. ``missing`` gets a path that does
-    not exist, or a folder without such files.
+    In folders, parameter files that launch files use are checked with these only. What colcon builds or ignores is left
+    out. ``missing`` gets a path that does not exist, or a folder without such files.
     """
     for path in paths:
         if path.is_file():
             yield path
             continue
         found = [
-            file
-            for file in (sorted(path.rglob("*")) if path.is_dir() else ())
-            if file.is_file()
-            and not any(part.startswith(".") for part in file.relative_to(path).parts)
-            and (file.name.endswith(LAUNCH_ENDINGS) or (file.suffix in (".yaml", ".yml") and is_parameter_file(file)))
+            folder / name
+            for folder, _, names in source_folders(path)
+            for name in names
+            if (folder / name).is_file() and _is_checked(folder / name)
         ]
         if not found:
             missing(path)
         yield from found
+
+
+def _is_checked(path: Path) -> bool:
+    """Return true for a launch file or parameter file in a folder; not for Python files without launch description."""
+    if path.name.endswith(LAUNCH_ENDINGS):
+        return path.suffix != ".py" or is_launch_program(path)
+    return path.suffix in (".yaml", ".yml") and is_parameter_file(path)

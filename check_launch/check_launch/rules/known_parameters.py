@@ -189,6 +189,8 @@ class ParameterView:
         if prefix + facts.name in seen:
             return
         seen = seen | {prefix + facts.name}
+        if facts.is_partial:
+            self.open.append(prefix)
         for pattern, parameter in facts.parameters.items():
             self._add_pattern(pattern, parameter, prefix)
         for pattern, parameter in facts.of_node.items():

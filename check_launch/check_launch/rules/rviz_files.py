@@ -8,7 +8,7 @@ from pathlib import Path
 
 import yaml
 
-from check_launch.expansion.entities import UnreadableFileError, compose, place_of
+from check_launch.expansion.entities import UnreadableFileError, compose, place_of, text_of_file
 from roverlink.generator.diagnostics import Span
 
 _RELIABILITY = {"Reliable": "reliable", "Best Effort": "best_effort", "System Default": "reliable"}
@@ -43,8 +43,8 @@ class RvizFile:
 def read_rviz_file(path: str, shown: str) -> RvizFile | None:
     """Read a configuration; None if there is none that can be read."""
     try:
-        root = compose(Path(path).read_text(encoding="utf-8"), shown)
-    except (OSError, UnicodeDecodeError, UnreadableFileError):
+        root = compose(text_of_file(Path(path), shown), shown)
+    except UnreadableFileError:
         return None
     manager = _entries(root).get("Visualization Manager")
     topics: list[RvizTopic] = []

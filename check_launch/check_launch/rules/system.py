@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -117,19 +118,34 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
         system.nodes.append(node)
         for inner in facts.nodes if facts else ():
             inner_facts = catalogue.classes.get(inner.class_name)
-            inner_namespace = joined(node.namespace, inner.namespace)
-            system.nodes.append(RunningNode(started, inner_facts, inner.name, inner_namespace, True, is_known))
-    for node in system.nodes:
+            if not inner.type_parameter:
+                inner_namespace = joined(node.namespace, inner.namespace)
+                system.nodes.append(RunningNode(started, inner_facts, inner.name, inner_namespace, True, is_known))
+    for node in system.nodes:  # grows: a node may load others
         node.sections = [
             (use, section) for use in node.started.files for section in use.sections if section.matches(node.full_name)
         ]
         if node.facts is not None:
             _complete(node, node.facts, catalogue)
+            system.nodes += _loaded_nodes(node, catalogue)
     for node in system.nodes:
         node.transforms = list(_with_frames_of_topics(node, system))
         if node.facts is not None and node.facts.has_open_topics:
             _complete_rviz(node, catalogue, system)
     return system
+
+
+def _loaded_nodes(node: RunningNode, catalogue: Catalogue) -> Iterator[RunningNode]:
+    """Yield the nodes that a node creates for plugins that its parameters name, such as a controller manager."""
+    for inner in node.facts.nodes if node.facts else ():
+        if not inner.type_parameter or node.view is None:
+            continue
+        pattern = re.compile(re.escape(inner.type_parameter).replace(r"\{\*\}", r"([^.]+)"))
+        for name, given in node.view.given.items():
+            if match := pattern.fullmatch(name):
+                plugin = catalogue.plugins.get(str(given.value))
+                facts = catalogue.classes.get(plugin.class_name) if plugin else None
+                yield RunningNode(node.started, facts, match[1], node.namespace, is_inner=True)
 
 
 def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> None:
@@ -209,6 +225,9 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
                 UnknownPackage.at(at, f"the package '{package}' is not in the catalogue; its nodes are not checked")
             )
         return None
+    if known.is_partial and not (started.plugin or executable in known.executables):
+        system.has_unknown = True
+        return None
     if started.plugin:
         return _component(started.plugin, known, catalogue, system, at)
     if executable is None or executable not in known.executables:
@@ -221,15 +240,17 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
         return None
     facts = catalogue.classes.get(known.executables[executable])
     words = [(word or "").partition("=")[0] for word in started.arguments]
-    if facts is None or any(facts.arguments.get(word) == "" for word in words):
-        system.has_unknown = True
-        return None
+    if facts is not None and any(facts.arguments.get(word) == "" for word in words):
+        facts = None  # another node
+    system.has_unknown |= facts is None or facts.is_partial
     return facts
 
 
 def _component(plugin: str, package: Package, catalogue: Catalogue, system: System, at: Span) -> NodeClass | None:
-    if plugin in package.components:
-        return catalogue.classes.get(plugin)
+    if plugin in package.components or package.is_partial:
+        facts = catalogue.classes.get(plugin)
+        system.has_unknown |= facts is None or facts.is_partial
+        return facts
     names = ", ".join(package.components) or "none"
     help = did_you_mean(nearest(plugin, package.components), f"nodes of {package.name} for containers: {names}")
     system.findings.append(
@@ -293,8 +314,7 @@ def _connections(
         if name == "":
             continue
         place = named.place if named else node.started.place
-        process = _absolute(node.started.namespace or "")
-        topic = name and full_name(name.replace("{node}", node.name).replace("{process}", process), node)
+        topic = name and full_name(name.replace("{node}", node.name), node)
         if topic:
             node.connections_before.append(topic)
         if view.holds(when, prefix) is False:
@@ -320,15 +340,16 @@ def _connections(
 
 def _spellings(view: ParameterView, prefix: str, endpoint: Endpoint) -> Iterator[tuple[str, str, str]]:
     """Yield the name of a topic and its two conditions, for each name that ``{x}`` in them stands for."""
-    named = endpoint.name.replace("{node}", "\1").replace("{process}", "\2")
-    joint = "\0".join((named, endpoint.when, endpoint.needed))
+    joint = "\0".join((endpoint.name.replace("{node}", "\1"), endpoint.when, endpoint.needed))
     for spelling in view.spelled(joint, prefix):
         name, when, needed = spelling.split("\0")
-        yield name.replace("\1", "{node}").replace("\2", "{process}"), when, needed
+        yield name.replace("\1", "{node}"), when, needed
 
 
 def full_name(name: str, node: RunningNode) -> str:
     """Return the full name of a topic of a node."""
+    if name.startswith("../"):  # in the namespace around the node's own, as the map of a costmap (costmap_2d_ros.cpp)
+        return f"{node.namespace.rpartition('/')[0]}/{name[3:]}"
     if name.startswith("~"):
         return f"{node.full_name}/{name[1:].lstrip('/')}"
     return name if name.startswith("/") else f"{node.namespace}/{name}"

@@ -149,8 +149,8 @@ def _wanting(topic: str, connections: list[Connection], variants: Variants) -> I
         if _ends(connections, kind):
             continue
         for end in _ends(connections, own):
-            is_named = end.is_named and (kind, topic) not in variants.ends and not _is_disconnected(topic, end.node)
-            if end.is_needed or is_named:
+            is_named = end.is_named and (kind, topic) not in variants.ends
+            if (end.is_needed or is_named) and not (end.is_named and _is_disconnected(topic, end.node)):
                 yield end, kind
 
 
@@ -218,7 +218,7 @@ def _fits(end: Connection, other: Connection) -> bool:
 
 
 def _is_disconnected(topic: str, node: RunningNode) -> bool:
-    """Return true if a launch file has given a topic below the node's own name to it, so that nothing arrives."""
+    """Return true for a topic below the node's own name: a launch file gives it to a node so that nothing arrives."""
     return topic.startswith(f"{node.full_name}/")
 
 

@@ -84,7 +84,7 @@ def test_the_shipped_launch_file_is_the_same_with_the_real_packages(real: str, t
     """The whole rover has no finding, and the drawing of its nodes and topics is the one of the stand-ins."""
     drawings = []
     for path in ("", real.replace("DISTRIBUTION", "jazzy")):
-        file = tmp_path / "graph.svg"
+        file = tmp_path / "graph.dot"
         assert _checked(_ROOT, path, "--complete", "rover/navigation/launch/slam.launch.py", "--graph", str(file)) == []
         drawings.append(file.read_text(encoding="utf-8"))
     assert drawings[0] == drawings[1]

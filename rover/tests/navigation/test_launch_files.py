@@ -2,6 +2,7 @@
 
 The command lines in `cases` come from launch and launch_ros of Humble, and from the launch file of Nav2: these were run
 once, with programs that wrote down how they were started. A parameter file that launch_ros made of values is in braces.
+The lines for `camera_imu` and for the obstacles were added by hand, in the form of the others.
 """
 
 from __future__ import annotations
@@ -91,7 +92,8 @@ def test_the_costmap_has_the_layer_of_the_argument(argument: str, layer: str) ->
     (section,) = (one for one in use.sections if one.matches("/rover/local_costmap/local_costmap"))
     given = {one.name: one.value for one in section.values}
     assert given["plugins"] == [layer, "inflation_layer"]
-    assert given[f"{layer}.marking.topic"] == "/rover/camera/camera/depth/color/points"
+    sources = str(given[f"{layer}.observation_sources"]).split()
+    assert [given[f"{layer}.{source}.topic"] for source in sources] == ["/rover/camera/obstacles", "/rover/camera/ground"]
 
 
 # --- The ROS 2 package rtt_slam, without ROS 2: its files name each other, and its programs are ---------------------

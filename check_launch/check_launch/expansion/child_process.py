@@ -1,0 +1,152 @@
+"""Work in a child process with limits of time, memory and file size.
+
+Python launch files are programs, and other files can be made to expand without end. So the work is done in a child
+process: it has a temporary working folder and no terminal, and it ends with everything that it has started. The child
+has the rights of the user. It protects the check from files that do not end, not the computer from strangers.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import pickle
+import resource
+import signal
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
+
+_LARGEST_RESULT = 256 << 20  # bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Limits of a child process."""
+
+    seconds: float = 10.0
+    """Longest time until the next result."""
+    memory: int = 1 << 30
+    """Most bytes of memory that the child may allocate."""
+    file_size: int = 16 << 20
+    """Most bytes of each file that the child writes."""
+
+
+DEFAULT_LIMITS = Limits()
+
+
+class ChildEndedError(Exception):
+    """Raised if a child process ended before its work was done; the text is the reason."""
+
+
+def results(work: Callable[[], Iterable[Result]], limits: Limits) -> Iterator[Result]:
+    """Yield what ``work`` yields, which runs in a child process.
+
+    Raises what ``work`` raises if it can be pickled, and `ChildEndedError` for the rest and if a limit is reached.
+    """
+    fork = multiprocessing.get_context("fork")  # the child has the catalogue, and all that the parent has read
+    receiver, sender = fork.Pipe(duplex=False)
+    with tempfile.TemporaryDirectory(prefix="check-launch-") as folder, receiver:
+        child = fork.Process(target=_child, args=(work, sender, folder, limits), daemon=True)
+        with warnings.catch_warnings():
+            # Python 3.12 warns of locks that other threads hold. The child takes none of theirs.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            child.start()
+        sender.close()
+        try:
+            while True:
+                if not receiver.poll(limits.seconds):
+                    raise ChildEndedError(f"it takes longer than {limits.seconds:g} s")
+                try:
+                    data = receiver.recv_bytes(_LARGEST_RESULT)
+                except (EOFError, OSError):
+                    child.join(limits.seconds)
+                    raise ChildEndedError(_reason(child.exitcode)) from None
+                if not data:
+                    return
+                yield _result(data)
+        finally:
+            for end in (os.killpg, os.kill):  # the group: also what the child has started
+                with contextlib.suppress(ProcessLookupError, PermissionError):
+                    end(child.pid or 0, signal.SIGKILL)
+            child.join()
+
+
+def _result(data: bytes) -> Any:
+    """Return a result of the child, or raise its error."""
+    try:
+        found = pickle.loads(data)  # noqa: S301  # the child has the rights of the user, with or without pickle
+    except Exception as error:  # a class of the launch file, which the parent does not have
+        raise ChildEndedError(f"its result cannot be read: {error}") from error
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def _reason(code: int | None) -> str:
+    if code is None:
+        return "it closed its connection to the check"
+    if code < 0:
+        return f"it was ended by {signal.Signals(-code).name}"
+    return f"it ended the process with exit code {code}"
+
+
+def _child(work: Callable[[], Iterable[Result]], sender: Connection, folder: str, limits: Limits) -> None:
+    """Do the work and send its results. Ends the process, also if threads of the work still run."""
+    os.setsid()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)  # the handlers of the command would raise in the launch file
+    os.chdir(folder)
+    os.environ["TMPDIR"] = tempfile.tempdir = folder
+    null = os.open(os.devnull, os.O_RDWR)
+    for descriptor in range(3):
+        os.dup2(null, descriptor)
+    sys.stdin, sys.stdout, sys.stderr = (open(os.devnull, mode, encoding="utf-8") for mode in "rww")  # noqa: SIM115
+    _limit(limits)
+    status, end = 1, os._exit  # a launch file may replace the function in its module
+    try:
+        for result in work():
+            sender.send_bytes(pickle.dumps(result))
+        sender.send_bytes(b"")
+        status = 0
+    except BaseException as error:  # noqa: BLE001  # whatever it is, the parent reports it
+        sender.send_bytes(_pickled(error))
+    finally:
+        end(status)
+
+
+def _pickled(error: BaseException) -> bytes:
+    """Return an error for the parent; one that it could not read, or that is none of ours, as a text."""
+    if type(error).__module__.startswith("check_launch."):
+        with contextlib.suppress(Exception):
+            return pickle.dumps(error)
+    return pickle.dumps(ChildEndedError(f"{type(error).__name__}: {error}"))
+
+
+def _limit(limits: Limits) -> None:
+    """Set the limits of this process."""
+    used = _address_space()
+    for kind, most in (
+        (resource.RLIMIT_AS, used + limits.memory if used else resource.RLIM_INFINITY),
+        (resource.RLIMIT_FSIZE, limits.file_size),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        _, highest = resource.getrlimit(kind)
+        with contextlib.suppress(ValueError, OSError):  # above the highest one, or not limited on this system
+            resource.setrlimit(kind, (most, highest))
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # so that writing fails instead (setrlimit(2))
+
+
+def _address_space() -> int:
+    """Return the bytes of the address space that this process uses; 0 if the system does not tell."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:
+            return int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    except (OSError, ValueError, IndexError):
+        return 0

@@ -1,0 +1,86 @@
+"""Facts of one package, read from its folder alone: classes, executables, components and plugins."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from check_launch.catalogue.facts import Parameter, Plugin
+from check_launch.extraction.class_facts import ClassFacts, EndpointFact, ParameterFact, facts_of_package
+from check_launch.extraction.cmake_files import built_by
+from check_launch.extraction.plugin_descriptions import plugins_of_package
+from check_launch.extraction.python_nodes import python_nodes
+
+_VERSION = re.compile(r"<version>\s*([\w.-]+)\s*</version>")
+
+
+@dataclass(slots=True)
+class PackageFacts:
+    """What the files of a package say."""
+
+    version: str = ""
+    classes: dict[str, ClassFacts] = field(default_factory=dict)
+    programs: dict[str, str] = field(default_factory=dict)
+    """Name of the node class, as it is written, by the name of the executable; empty if it is not known."""
+    components: list[str] = field(default_factory=list)
+    plugins: dict[str, Plugin] = field(default_factory=dict)
+    is_partial: bool = False
+    """True if the package may have more executables."""
+
+    def stored(self) -> Any:
+        """Return the facts as JSON values, from which `from_stored` makes them again."""
+        return json.loads(json.dumps(asdict(self), default=sorted))  # sets become lists
+
+    @classmethod
+    def from_stored(cls, data: Any) -> PackageFacts:
+        """Return the facts that `stored` has made JSON values of."""
+        return cls(
+            **{**data, "classes": {name: _class(facts) for name, facts in data["classes"].items()}}
+            | {
+                "plugins": {
+                    name: Plugin(**{**plugin, "message_types": tuple(plugin["message_types"])})
+                    for name, plugin in data["plugins"].items()
+                }
+            }
+        )
+
+
+def _class(data: Any) -> ClassFacts:
+    return ClassFacts(
+        **{
+            **data,
+            "bases": tuple(data["bases"]),
+            "parts": {name: set(topics) for name, topics in data["parts"].items()},
+            "parameters": {name: _parameter(facts) for name, facts in data["parameters"].items()},
+            "endpoints": [EndpointFact(**facts) for facts in data["endpoints"]],
+        }
+    )
+
+
+def _parameter(data: Any) -> ParameterFact:
+    stated = data["stated"]
+    known = Parameter(**{**stated, "choices": tuple(stated["choices"])}) if stated else None
+    return ParameterFact(data["type"], data["default"], known)
+
+
+def read_package(folder: Path) -> PackageFacts:
+    """Read the files of the package in a folder."""
+    manifest = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
+    version = _VERSION.search(manifest)
+    classes, python = facts_of_package(folder), python_nodes(folder)
+    built = built_by(folder, classes)
+    programs = {
+        program.name: python.of_module.get(program.module, "") if program.module else program.class_name
+        for program in built.programs
+    }
+    return PackageFacts(
+        version[1] if version else "",
+        {**classes, **python.classes},
+        programs,
+        built.components,
+        dict(plugins_of_package(folder)),
+        built.is_partial,
+    )

@@ -1,0 +1,85 @@
+"""Files that run without end, or expand without end: one finding each, and the check goes on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from roverlink.__main__ import main
+
+_PYTHON = "import os, signal, subprocess, sys, threading, time\nfrom launch import LaunchDescription\n"
+_FUNCTION = "\ndef generate_launch_description():\n    return LaunchDescription([])\n"
+_INCLUDES = "launch:\n" + 2 * "- include: {{file: $(dirname)/{}.launch.yaml}}\n"
+_BOMB = "launch:\n- let: {name: a, value: aaaaaaaaaa}\n" + 30 * "- let: {name: a, value: $(var a)$(var a)}\n"
+_GROUPS = "<launch>" + 500 * "<group>" + 500 * "</group>" + "</launch>"
+_ALIASES = "".join(f"{name}: &{name} [{', '.join(9 * [f'*{below}'])}]\n" for below, name in zip("abcdefg", "bcdefgh"))
+_CASES: Mapping[str, tuple[Mapping[str, str | bytes], str]] = {
+    "ends the process": ({"a.launch.py": _PYTHON + "os._exit(7)" + _FUNCTION}, "exit code 7"),
+    "is ended by a signal": (
+        {"a.launch.py": _PYTHON + "os.kill(os.getpid(), signal.SIGTERM)" + _FUNCTION},
+        "ended by SIGTERM",
+    ),
+    "does not end": ({"a.launch.py": _PYTHON + "while True: pass" + _FUNCTION}, "longer than 2 s"),
+    "leaves a thread": (
+        {"a.launch.py": _PYTHON + "threading.Thread(target=time.sleep, args=[1000]).start()" + _FUNCTION},
+        "",
+    ),
+    "takes all memory": ({"a.launch.py": _PYTHON + "x = [0] * 10**10" + _FUNCTION}, "MemoryError"),
+    "writes a large file": (
+        {"a.launch.py": _PYTHON + "open('x', 'wb').write(bytes(64 << 20))" + _FUNCTION},
+        "File too large",
+    ),
+    "changes the folder, and starts a program": (
+        {"a.launch.py": _PYTHON + "os.chdir('/'); subprocess.run([sys.executable, '-c', ''], check=True)" + _FUNCTION},
+        "",
+    ),
+    "asks the user": ({"a.launch.py": _PYTHON + "input()" + _FUNCTION}, "EOFError"),
+    "returns nothing": ({"a.launch.py": "def generate_launch_description():\n    pass\n"}, "returns None"),
+    "is no launch file, and does not run": ({"a.launch.py": "import no_such_module"}, "has no function"),
+    "needs a module": ({"a.launch.py": "import no_such_module\n" + _PYTHON + _FUNCTION}, ""),
+    "includes twice, and so on": (
+        {f"{i}.launch.yaml": _INCLUDES.format(i + 1, i + 1) for i in range(20)} | {"20.launch.yaml": "launch: []\n"},
+        "included more than 1000 times",
+    ),
+    "doubles a text": ({"a.launch.yaml": _BOMB}, "grows without end"),
+    "nests groups": ({"a.launch.xml": _GROUPS}, "nested too deeply"),
+    "is nested deeply": ({"p.yaml": "a: " + 3000 * "{a: " + 3000 * "}"}, "nested too deeply"),
+    "has anchors of anchors": ({"p.yaml": f"a: &a [1, 1, 1]\n{_ALIASES}"}, "anchors in place"),
+    "has an anchor that contains itself": ({"p.yaml": "ekf_node: &a\n  ros__parameters: *a\n"}, "contains itself"),
+    "is Latin-1": ({"p.yaml": "ekf_node: # H\xf6he\n  ros__parameters: {}\n".encode("latin-1")}, "not UTF-8"),
+}
+
+
+@pytest.mark.parametrize(("files", "finding"), _CASES.values(), ids=_CASES)
+def test_a_file_that_does_not_end_well_gives_one_finding(
+    files: Mapping[str, str | bytes],
+    finding: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The finding has the name of the file and the reason; the check itself has no traceback."""
+    monkeypatch.chdir(tmp_path)
+    for name, text in files.items():
+        (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
+    code = main(["check-launch", "--format", "json", "--time-limit", "2", next(iter(files))])
+    fatal = [one for one in json.loads(capsys.readouterr().out) if one["severity"] == "fatal"]
+    assert [one["path"].endswith((".py", ".xml", ".yaml")) for one in fatal] == [True] * bool(finding)
+    assert all(finding in one["message"] for one in fatal)
+    assert code == (2 if finding else 0)
+
+
+def test_what_colcon_builds_or_ignores_is_not_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """In a workspace, only the sources count; a Python file whose name ends like one of a launch file does not run."""
+    for folder in ("src/a/launch", "build/a", "install/a", "log", "src/old", ".git"):
+        (tmp_path / folder).mkdir(parents=True)
+        (tmp_path / folder / "a.launch.yaml").write_text("launch:\n- node: {pkg: nav2_amcl, exec: aml}\n")
+    (tmp_path / "src" / "old" / "COLCON_IGNORE").touch()
+    (tmp_path / "src" / "a" / "test_launch.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
+    assert main(["check-launch", "--format", "json", str(tmp_path)]) == 1
+    found = [one["path"] for one in json.loads(capsys.readouterr().out) if one["id"] == "LCH108"]
+    assert [path.endswith("src/a/launch/a.launch.yaml") for path in found] == [True]
+    assert not (tmp_path / "ran").exists()

@@ -1,0 +1,98 @@
+"""The packages of a workspace: the check reads their nodes from the sources, and keeps what it has read."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from roverlink.__main__ import main
+
+_FILES = {
+    "src/arm/package.xml": "<package><name>arm</name><version>1.0.0</version></package>",
+    "src/arm/setup.py": "setup(entry_points={'console_scripts': "
+    "['driver = arm.driver:main', 'other = arm.other:main']})",
+    "src/arm/arm/__init__.py": "",
+    "src/arm/arm/names.py": "EXECUTABLE = 'drivr'\n",
+    "src/arm/arm/driver.py": """
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+class Driver(Node):
+    def __init__(self):
+        super().__init__('driver')
+        self.declare_parameter('rate', 10.0)
+        self.declare_parameters('joint', [('names', ['a', 'b'])])
+        self.topic = self.declare_parameter('topic', 'joints').value
+        self.publisher = self.create_publisher(JointState, self.topic, 10)
+def main():
+    Driver()
+""",
+    "src/arm/arm/other.py": """
+from rclpy.node import Node
+from elsewhere import Helper
+class Other(Node):
+    def __init__(self):
+        super().__init__('other')
+        self.helper = Helper(self)
+def main():
+    Other()
+""",
+    "src/base/package.xml": "<package><name>base</name><version>1.0.0</version></package>",
+    "src/base/CMakeLists.txt": "project(base)\nadd_executable(wheels src/wheels.cpp)\n"
+    "generate_parameter_library(base_parameters src/base_parameters.yaml)\n",
+    "src/base/src/base_parameters.yaml": "base:\n"
+    "  radius: {type: double, default_value: 0.1, validation: {bounds<>: [0.01, 1.0]}}\n",
+    "src/base/src/wheels.cpp": """
+#include "base_parameters.hpp"
+namespace base {
+class Wheels : public rclcpp::Node {
+  std::shared_ptr<base::ParamListener> listener_;
+  Wheels() : Node("wheels") {}
+};
+}
+int main() { rclcpp::spin(std::make_shared<base::Wheels>()); }
+""",
+    "src/base/launch/a.launch.py": """
+from arm.names import EXECUTABLE
+from launch import LaunchDescription
+from launch.actions.declare_launch_argument import DeclareLaunchArgument
+from launch_ros.actions import Node
+from lifecycle_msgs.msg import Transition
+import xacro
+def generate_launch_description():
+    robot = xacro.process_file('robot.xacro').toxml()
+    return LaunchDescription([
+        Node(package='arm', executable=EXECUTABLE),
+        Node(package='arm', executable='driver', parameters=[{'rte': 5.0}, {'joint.names': ['c']}, {'topic': 'a'}]),
+        Node(package='arm', executable='other', parameters=[{'anything': 5.0}]),
+        Node(package='base', executable='wheels', parameters=[{'radius': 5.0}, {'radus': 0.2}]),
+    ])
+""",
+}
+_EXPECTED = [("LCH108", 11), ("PAR101", 12), ("PAR101", 14), ("PAR104", 14)]
+
+
+def test_own_packages_are_read_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nodes in Python and C++ have the parameters that they declare; a node that gives itself away may have more.
+
+    The facts are kept in a file, and read again if a source has changed.
+    """
+    for name, text in _FILES.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    driver, facts = tmp_path / "src/arm/arm/driver.py", tmp_path / "facts.json"
+
+    def findings() -> list[tuple[str, int]]:
+        main(
+            ["check-launch", "--format", "json", "--packages", str(tmp_path), "--catalogue", str(facts), str(tmp_path)]
+        )
+        found = json.loads(capsys.readouterr().out)
+        return sorted((one["id"], one["line"]) for one in found if one["severity"] in ("fatal", "error", "warning"))
+
+    assert findings() == _EXPECTED
+    kept = facts.read_bytes()
+    assert findings() == _EXPECTED
+    assert facts.read_bytes() == kept
+    driver.write_text(driver.read_text().replace("'rate'", "'rte'"))
+    assert findings() == [one for one in _EXPECTED if one != ("PAR101", 12)]
