@@ -93,7 +93,10 @@ def test_the_costmap_has_the_layer_of_the_argument(argument: str, layer: str) ->
     given = {one.name: one.value for one in section.values}
     assert given["plugins"] == [layer, "inflation_layer"]
     sources = str(given[f"{layer}.observation_sources"]).split()
-    assert [given[f"{layer}.{source}.topic"] for source in sources] == ["/rover/camera/obstacles", "/rover/camera/ground"]
+    assert [given[f"{layer}.{source}.topic"] for source in sources] == [
+        "/rover/camera/obstacles",
+        "/rover/camera/ground",
+    ]
 
 
 # --- The ROS 2 package rtt_slam, without ROS 2: its files name each other, and its programs are ---------------------
