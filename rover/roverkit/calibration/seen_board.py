@@ -51,7 +51,7 @@ class SeenBoards:
 
 
 def other_board(image: Image, board: CalibrationBoard) -> str:
-    """Describe the ChArUco board in an image, (H, W) or (H, W, 3), with its options; empty if it is `board`, or none."""
+    """Describe the ChArUco board in an image, (H, W) or (H, W, 3); the text is empty for none, and for `board`."""
     grey = to_grey(image)
     height, width = grey.shape
     given = board.dictionary if isinstance(board, CharucoBoard) else ""
