@@ -13,7 +13,6 @@ import numpy as np
 
 from roverkit.calibration.board import CalibrationBoard
 from roverkit.calibration.charuco_board import CharucoBoard
-from roverkit.calibration.chessboard import Chessboard
 from roverkit.calibration.start import GUESS, ideal_camera
 from roverkit.calibration.views import View
 from roverkit.vision.markers.detection import Detector, Image, MarkerDetection, to_grey
@@ -52,12 +51,8 @@ class SeenBoards:
 
 
 def other_board(image: Image, board: CalibrationBoard) -> str:
-    """Describe the board in an image, (H, W) or (H, W, 3), with the options for it; empty if it is `board`, or none."""
+    """Describe the ChArUco board in an image, (H, W) or (H, W, 3); the text is empty for none, and for `board`."""
     grey = to_grey(image)
-    return _with_markers(grey, board) or _chessboard(grey, board)
-
-
-def _with_markers(grey: Image, board: CalibrationBoard) -> str:
     height, width = grey.shape
     given = board.dictionary if isinstance(board, CharucoBoard) else ""
     found = _distinct(Detector(MarkerSet(given)).scan(grey)) if given else []
@@ -131,13 +126,3 @@ def _white_squares(columns: int, *, legacy: bool) -> Iterator[tuple[int, int]]:
         for column in range(columns):
             if (column + row) % 2 != legacy:
                 yield column, row
-
-
-def _chessboard(grey: Image, board: CalibrationBoard) -> str:
-    found, _, meta = cv2.findChessboardCornersSBWithMeta(grey, (3, 3), cv2.CALIB_CB_LARGER)
-    if not found:
-        return ""
-    rows, columns = (count + 1 for count in np.shape(meta)[:2])
-    if isinstance(board, Chessboard) and {columns, rows} == {board.columns, board.rows}:
-        return ""
-    return f"a chessboard with {columns} x {rows} squares; use --board chessboard --squares {columns}x{rows}"

@@ -21,7 +21,6 @@ from roverkit.calibration import (  # noqa: E402
     BoardDetector,
     CalibrationBoard,
     CharucoBoard,
-    Chessboard,
 )
 from roverkit.vision.camera.parameters_file import read_parameters  # noqa: E402
 
@@ -134,7 +133,6 @@ def test_too_few_views_are_refused(images: Path, tmp_path: Path, capsys: pytest.
     [
         (CharucoBoard(9, 6, 0.03, 0.022, "DICT_5X5_50"), "--dictionary DICT_5X5_50 --squares 9x6"),
         (CharucoBoard(9, 6, 0.03, 0.022), "--dictionary DICT_4X4_50 --squares 9x6"),
-        (Chessboard(9, 7, 0.025), "--board chessboard --squares 9x7"),
     ],
 )
 def test_another_board_is_named(
