@@ -112,7 +112,7 @@ docs-reference: $(VENV)/ready  ## write the reference tables in docs/ from the c
 	$(BIN)/python docs/site/committed_tables.py
 
 clean:  ## remove what was made here, the environment included
-	rm -rf $(VENV) .ros2 .aarch64 build dist/*.whl dist/*.tar.gz .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .ros2 .aarch64 build/* dist/*.whl dist/*.tar.gz .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \

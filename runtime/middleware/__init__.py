@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib
 import platform
+import sys
 
 from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.middleware import later_modules
@@ -93,10 +94,16 @@ def _open_dds(node: NodeIdentity, parameters: NodeParameters | None) -> Middlewa
             from roverlink.runtime.middleware.dds import DdsMiddleware
     except ImportError as error:
         raise MiddlewareError(
-            f"Cyclone DDS cannot be imported ({error}); install it with `pip install cyclonedds`"
+            f"Cyclone DDS cannot be imported ({error}); "
+            + (
+                "it has no wheel for Python 3.14 and newer: make the virtual environment with Python 3.10 to 3.13, or "
+                "use --middleware rclpy with an installed ROS 2"
+                if sys.version_info >= (3, 14)
+                else "install it with `pip install cyclonedds`"
+            )
             + (
                 f" (it has no wheel for {platform.machine()}: there, use --middleware rclpy with an installed ROS 2)"
-                if platform.machine() not in ("x86_64", "AMD64", "arm64")  # arm64: macOS
+                if sys.version_info < (3, 14) and platform.machine() not in ("x86_64", "AMD64", "arm64")  # arm64: macOS
                 else ""
             )
         ) from error
