@@ -16,7 +16,7 @@ from roverkit.driving.arcs import PlanarPose
 from roverkit.vision import CameraParameters, Landmark, LandmarkDetection, Landmarks, Pose, TargetId
 from roverkit.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_by_camera, pixels_to_rays
 from roverkit.vision.markers.marker_set import square
-from roverkit.vision.poses.pnp import Corners, side_shifts, solve, square_poses, with_all_errors
+from roverkit.vision.poses.pnp import Corners, solve, square_poses, with_all_errors
 from roverkit.vision.poses.pose import predict, quaternion_of, rotation_of
 from roverkit.vision.ros.landmark_messages import FrameNames, detections_of
 
@@ -128,8 +128,6 @@ class SimulatedTracker:
         (solutions,) = solve([seen], square_poses(points[None], rays[None]))
         # Of the two poses, the tracker decides for the true one over several images.
         solutions = sorted(solutions, key=lambda one: one.pose.angle_to(place))
-        sides = side_shifts(solutions[0].pose, points) * _UNCERTAINTY.side_sigma
-        seen = Corners(points, rays, seen.covariance, seen.own, np.concatenate([shifts, sides], axis=1))
-        seen, solutions = with_all_errors(seen, solutions[:1])
+        ((seen, solutions),) = with_all_errors([seen], [solutions[:1]], _UNCERTAINTY.side_sigma)
         best = solutions[0]
         return LandmarkDetection(name, stamp, pixels, best.pose, best.covariance, math.inf, 0.0, seen, tuple(solutions))
