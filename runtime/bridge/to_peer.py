@@ -120,11 +120,13 @@ class OutboundRow(LimitedRow):
                 self._account.refused[self.name] += 1
                 self._warnings.warn(self.name, f"not sent: {error}")
         chosen = self._changed(datagrams)
-        self._account.unchanged[self.name] += len(datagrams) - len(chosen)
+        if unchanged := len(datagrams) - len(chosen):
+            self._account.unchanged[self.name] += unchanged
         self._send_and_count(chosen)
 
     def _count_superseded(self, count: int) -> None:
-        self._account.superseded[self.name] += count
+        if count:
+            self._account.superseded[self.name] += count
 
     def _repeat(self, datagram: bytes) -> int:
         """Send the last datagram once more; it is no message of the topic, so the other counters leave it out."""

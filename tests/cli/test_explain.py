@@ -47,7 +47,7 @@ def test_a_row_is_found_by_whatever_it_is_called(word: str, capsys: pytest.Captu
 def test_the_json_is_one_object(called: Called) -> None:
     """For scripts: its example is what the registry makes of it."""
     said = json.loads(called("explain", "imu_info", "--json")[1])
-    assert said["size"] == {"payload": 51, "envelope": 53, "unbounded": None}
+    assert said["size"] == {"payload": 51, "envelope": 53, "unbounded": None, "accepted": 1472}
     assert {one["topic"]: bool(one["in_python"]) for one in said["translation"]} == dict.fromkeys(
         ("imu_data", "imu/data_raw", "imu/mag"), not LIBRARY.is_file()
     )

@@ -55,4 +55,6 @@ class NativeCheck:
         for handler, direction in {*self._translated, *self._handed_over}:
             assert self._core is not None
             reason = self._core.reason(handler)
-            assert bool(self._translated[handler, direction]) != bool(reason), (direction, handler.route, reason)
+            # The rover's bridge stamps by the clock of a board; at the other end of the link, the core stamps.
+            if handler.board_stamp is None:
+                assert bool(self._translated[handler, direction]) != bool(reason), (direction, handler.route, reason)
