@@ -490,7 +490,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     "nothing in place of a description": ("def generate_launch_description():\n    pass\n", "", ["fatal LCH101"]),
     # What is not known is not absent.
     "a node of another package with a usual name": (
-        _node("arena_camera", "arena_camera_node", name="camera"),
+        _node("my_cameras", "camera_node", name="camera"),
         _parameters("camera", "video_device: /dev/video0"),
         ["hint LCH106"],
     ),

@@ -93,8 +93,9 @@ def _changes(before: Catalogue | None, after: Catalogue) -> Iterator[str]:
             first, second = getattr(before.classes[name], part), getattr(after.classes[name], part)
             yield from (f"- {name}: {parameter}" for parameter in sorted(first.keys() - second.keys()))
             yield from (f"+ {name}: {parameter}" for parameter in sorted(second.keys() - first.keys()))
+            # As texts, because a default may be NaN, which does not equal itself.
             both = sorted(first.keys() & second.keys())
-            yield from (f"~ {name}: {parameter}" for parameter in both if first[parameter] != second[parameter])
+            yield from (f"~ {name}: {one}" for one in both if repr(first[one]) != repr(second[one]))
         topics = [{(end.kind, end.name) for end in one.classes[name].endpoints} for one in (before, after)]
         yield from (f"- {name}: {kind} {topic}" for kind, topic in sorted(topics[0] - topics[1]))
         yield from (f"+ {name}: {kind} {topic}" for kind, topic in sorted(topics[1] - topics[0]))

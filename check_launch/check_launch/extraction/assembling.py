@@ -192,7 +192,7 @@ class Assembler:
         of_node: dict[str, Parameter] = {}
         of_parent: dict[str, Parameter] = {}
         endpoints: list[Endpoint] = []
-        topics_stated: list[dict[str, str]] = []
+        topics_stated: list[Mapping[str, Any]] = []
         for member, topics in members:
             for key, parameter in self._parameters_of(member):
                 if key.startswith("{parent}."):
@@ -210,7 +210,7 @@ class Assembler:
                 parameters.pop(name_of_none, None)
                 of_node.pop(name_of_none, None)
             endpoints += self._endpoints_of(member, topics)
-            topics_stated += self._supplement.topics.get(member, [])
+            topics_stated += filter(self._is_for, self._supplement.topics.get(member, []))
         if not is_plugin:
             parameters |= {**of_node}
             of_node = {}
@@ -305,11 +305,11 @@ class Assembler:
             yield prefix + key, _parameter(stated)
         if self._is_node(name) and not prefix:
             of_all = self._supplement.parameters[""].items()
-            yield from (
-                (key, _parameter(stated))
-                for key, stated in of_all
-                if self._distribution in stated.get("only", self._distribution)
-            )
+            yield from ((key, _parameter(stated)) for key, stated in of_all if self._is_for(stated))
+
+    def _is_for(self, stated: Mapping[str, Any]) -> bool:
+        """Return true if a statement of the supplement holds for the distribution."""
+        return self._distribution in stated.get("only", [self._distribution])
 
     def _spelled(self, key: str, owner: str) -> list[str]:
         """Return the spellings of a pattern whose variables are explained; none if another class declares it."""
@@ -408,7 +408,7 @@ def _slot(stated: Mapping[str, Any]) -> PluginSlot:
     )
 
 
-def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, str]]) -> tuple[Endpoint, ...]:
+def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, Any]]) -> tuple[Endpoint, ...]:
     """Add what the supplement states about topics: whole topics, or conditions of those that the sources have."""
     found = {
         (endpoint.kind, endpoint.name, endpoint.type): endpoint
@@ -424,6 +424,8 @@ def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, st
         conditions = {"when": statement.get("when", ""), "needed": statement.get("needed", "")}
         if not key:
             type_ = statement.get("type", "")
+            # The sources give the name that the node then puts into the namespace around its own.
+            found.pop((statement["kind"], statement["name"].removeprefix("../"), type_), None)
             found[(statement["kind"], statement["name"], type_)] = Endpoint(
                 statement["kind"],
                 statement["name"],

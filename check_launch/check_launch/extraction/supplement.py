@@ -23,7 +23,7 @@ class Supplement:
     programs: Mapping[str, str]
     parameters: Mapping[str, Mapping[str, dict[str, Any]]]
     absent: Mapping[str, list[str]]
-    topics: Mapping[str, list[dict[str, str]]]
+    topics: Mapping[str, list[dict[str, Any]]]
     transforms: Mapping[str, list[dict[str, str]]]
     frames: Mapping[str, list[str]]
     sets: Mapping[str, dict[str, Any]]

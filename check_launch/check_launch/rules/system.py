@@ -349,7 +349,8 @@ def _spellings(view: ParameterView, prefix: str, endpoint: Endpoint) -> Iterator
 def full_name(name: str, node: RunningNode) -> str:
     """Return the full name of a topic of a node."""
     if name.startswith("../"):  # in the namespace around the node's own, as the map of a costmap (costmap_2d_ros.cpp)
-        return f"{node.namespace.rpartition('/')[0]}/{name[3:]}"
+        inner = name.removeprefix("../")
+        return inner if inner.startswith("/") else f"{node.namespace.rpartition('/')[0]}/{inner}"
     if name.startswith("~"):
         return f"{node.full_name}/{name[1:].lstrip('/')}"
     return name if name.startswith("/") else f"{node.namespace}/{name}"
