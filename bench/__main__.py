@@ -11,7 +11,7 @@ from bench import bridging, conversion, generation, history, lines, linting, sig
 from bench.contestants import FINDERS, ROOT
 from bench.errors import BenchError
 from bench.lab import Lab, prepare
-from bench.report import draw, print_results, write_json
+from bench.report import draw, report
 from bench.result import SectionResult
 
 # To add a section, write a module with such a function and add a line here.
@@ -88,10 +88,7 @@ def _run(options: argparse.Namespace) -> None:
         progress.print(f"note: {note}")
     sections = [name for name in SECTIONS if name in options.only] or list(SECTIONS)
     results = {name: SECTIONS[name](lab) for name in sections}
-    console = Console()
-    print_results(results, lab.notes, console if console.is_terminal else Console(width=PLAIN_WIDTH))
-    if options.json:
-        write_json(options.json, results, lab.notes)
+    report(results, options.json, lab.notes, PLAIN_WIDTH)
     progress.print(draw(lab.site.out / "bench.png", results))
 
 

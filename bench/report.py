@@ -44,7 +44,20 @@ def machine() -> dict[str, Any]:
     }
 
 
-def print_results(results: Mapping[str, SectionResult], notes: Sequence[str], console: Console) -> None:
+def report(
+    results: Mapping[str, SectionResult], json_file: Path | None, notes: Sequence[str] = (), width: int = 110
+) -> None:
+    """Print all tables, and write the measurements to ``json_file`` if it is given.
+
+    ``width`` is the number of columns if the output is not a terminal.
+    """
+    console = Console()
+    _print_results(results, notes, console if console.is_terminal else Console(width=width))
+    if json_file:
+        _write_json(json_file, results, notes)
+
+
+def _print_results(results: Mapping[str, SectionResult], notes: Sequence[str], console: Console) -> None:
     """Print every table, and the notes about missing parts."""
     facts = machine()
     packages = ", ".join(f"{name} {found}" for name, found in facts["packages"].items())
@@ -56,7 +69,7 @@ def print_results(results: Mapping[str, SectionResult], notes: Sequence[str], co
         console.print(f"note: {note}", highlight=False, markup=False)
 
 
-def write_json(path: Path, results: Mapping[str, SectionResult], notes: Sequence[str]) -> None:
+def _write_json(path: Path, results: Mapping[str, SectionResult], notes: Sequence[str]) -> None:
     """Write machine, notes and the data of all sections."""
     sections = {name: result.data for name, result in results.items()}
     report = {"machine": machine(), "notes": list(notes), "sections": sections}

@@ -23,7 +23,7 @@ from rich.console import Console
 
 from bench.contestants import ROOT
 from bench.errors import BenchError
-from bench.report import print_results, write_json
+from bench.report import report
 from bench.result import Group, SectionResult, Table
 from generated.messages import DrivingBoardMotorMessage
 from generated.registry import REGISTRY
@@ -243,9 +243,7 @@ def main(words: Sequence[str]) -> int:
     ]
     data = {"latency": of_latency, "stopping": of_stops}
     results = {"driving": SectionResult(tables, data=data)}
-    print_results(results, [], Console(width=None if sys.stdout.isatty() else 110))
-    if options.json:
-        write_json(options.json, results, [])
+    report(results, options.json)
     return 0
 
 

@@ -28,7 +28,7 @@ class Reported:
     pinned: PinnedStates | None = None
     """Compatibility of the projects that use the .proto files; None if the command does not check that."""
     extent: str = ""
-    """How much the command has looked at, for people; empty if it always looks at everything."""
+    """Text for people about what the command has looked at; empty if it always looks at everything."""
     with_known: bool = False
     """True if formats for people show also the findings that are known (`Diagnostic.known`)."""
 

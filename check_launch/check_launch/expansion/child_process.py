@@ -19,7 +19,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 Result = TypeVar("Result")
 
@@ -58,6 +58,7 @@ def results(work: Callable[[], Iterable[Result]], limits: Limits) -> Iterator[Re
             # Python 3.12 warns of locks that other threads hold. The child takes none of theirs.
             warnings.simplefilter("ignore", DeprecationWarning)
             child.start()
+        pid = cast(int, child.pid)  # it has been started
         sender.close()
         try:
             while True:
@@ -72,9 +73,9 @@ def results(work: Callable[[], Iterable[Result]], limits: Limits) -> Iterator[Re
                     return
                 yield _result(data)
         finally:
-            for end in (os.killpg, os.kill):  # the group: also what the child has started
-                with contextlib.suppress(ProcessLookupError, PermissionError):
-                    end(child.pid or 0, signal.SIGKILL)
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(pid, signal.SIGKILL)  # the group: also what the child has started
+            child.kill()  # it may not have its own group yet
             child.join()
 
 

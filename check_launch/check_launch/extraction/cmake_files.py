@@ -30,7 +30,7 @@ class BuiltProgram:
 
 @dataclass(frozen=True, slots=True)
 class Built:
-    """What the build of a package makes."""
+    """Programs and components that the build of a package makes."""
 
     programs: list[BuiltProgram]
     components: list[str]

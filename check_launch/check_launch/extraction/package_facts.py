@@ -19,7 +19,7 @@ _VERSION = re.compile(r"<version>\s*([\w.-]+)\s*</version>")
 
 @dataclass(slots=True)
 class PackageFacts:
-    """What the files of a package say."""
+    """Facts about a package, from its files."""
 
     version: str = ""
     classes: dict[str, ClassFacts] = field(default_factory=dict)

@@ -50,7 +50,7 @@ class PythonNodes:
     """Node classes of a package."""
 
     classes: dict[str, ClassFacts] = field(default_factory=dict)
-    """By their names, such as ``my_package.camera.CameraNode``."""
+    """Classes of nodes by their names, such as ``my_package.camera.CameraNode``."""
     of_module: dict[str, str] = field(default_factory=dict)
     """Name of the node class that a module starts, by the module; empty if it is not known."""
 

@@ -58,7 +58,7 @@ class Checked:
 
     @property
     def extent(self) -> str:
-        """How much the check has looked at, as text."""
+        """Text about the files that the check has evaluated, and about those that it has not."""
         parts = []
         if self.launch_files:
             parts.append(f"{self.evaluated} of {self.launch_files} launch files evaluated")

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from bench.report import print_results, write_json
+from bench.report import report
 from bench.result import Group, SectionResult, Table
 from rover.bench.fusion.drives import Drive, Noise, calibrated, mrclam, smartloc
 from rover.bench.fusion.filters import Estimate, filtered
@@ -102,9 +102,7 @@ def main(words: Sequence[str]) -> int:
         tables.append(Table("Simulated drives", columns, [Group("4 landmarks, 5 % slip", rows)]))
     data = {group.heading: group.rows for table in tables for group in table.groups}
     results = {"fusion": SectionResult(tables, data=data)}
-    print_results(results, [], Console(width=None if sys.stdout.isatty() else 110))
-    if options.json:
-        write_json(options.json, results, [])
+    report(results, options.json)
     return 0
 
 

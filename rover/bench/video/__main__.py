@@ -25,7 +25,7 @@ from rich.console import Console
 from roverkit.vision.images.film import Film
 
 from bench.errors import BenchError
-from bench.report import print_results, write_json
+from bench.report import report
 from bench.result import Group, SectionResult, Table
 from rover.bench.video.numbered_film import draw_scenes, film
 from rover.bench.video.radio_link import HOST, RadioLink
@@ -348,9 +348,7 @@ def main(words: Sequence[str]) -> int:
     except (BenchError, SetupError) as error:
         print(f"rover.bench.video: {error}", file=sys.stderr)
         return 2
-    print_results(results, [], Console(width=None if sys.stdout.isatty() else 110))
-    if options.json:
-        write_json(options.json, results, [])
+    report(results, options.json)
     return 0
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.console import Console
 
 from bench.errors import BenchError
-from bench.report import draw, print_results, write_json
+from bench.report import draw, report
 from bench.result import SectionResult
 from roverlink.runtime.core.errors import SetupError
 
@@ -116,10 +116,7 @@ def _run(options: argparse.Namespace) -> None:
         results["rocks"] = rocks.measure(QUICK_ROCKS if options.quick else ROCKS, progress.print)
     if "objects" in options.only:
         results["objects"] = objects.measure(QUICK_SEQUENCES if options.quick else SEQUENCES, progress.print)
-    console = Console()
-    print_results(results, [], console if console.is_terminal else Console(width=PLAIN_WIDTH))
-    if options.json:
-        write_json(options.json, results, [])
+    report(results, options.json, width=PLAIN_WIDTH)
     progress.print(draw(options.out / "vision.png", results))
 
 

@@ -88,7 +88,7 @@ class Evidence:
     width: float = 1.0
     """Width of the board in metres."""
     stretch: float = 0.0
-    """How much higher the print is than wide, as a fraction; 0 if it is not significant."""
+    """Stretch of the print in height against its width, as a fraction; 0 if it is not significant."""
     better: BetterModel | None = None
     motion: float = 0.0
     """Motion from the first to the last row while an image was read out."""

@@ -58,7 +58,7 @@ class DepthPatch:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segment:
-    """What stands above the ground at a line."""
+    """Part of a depth image that stands above the ground at a line."""
 
     inside: NDArray[np.bool_]
     """Mask of the patch: the segment's pixels that have a depth."""

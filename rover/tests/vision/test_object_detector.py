@@ -85,7 +85,7 @@ def _yolox_decoded(truths: list[Truth]) -> Outputs:
 
 
 def _yolov5_with_grids(truths: list[Truth]) -> Outputs:
-    """What YOLOv5 v6.0 writes: the table, and the maps of the three grids from which it is computed."""
+    """Return the outputs of YOLOv5 v6.0: the table, and the maps of the three grids behind it."""
     maps = {str(stride): np.full((1, 3, _H // stride, _W // stride, 8), 7.0) for stride in (8, 16, 32)}
     return {"output": _yolov5(truths)["output0"]} | maps
 

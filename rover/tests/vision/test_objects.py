@@ -152,7 +152,7 @@ def test_objects_that_cross_keep_their_numbers() -> None:
 
 
 def test_a_camera_that_sways_changes_no_numbers() -> None:
-    """By nearly an object's size, once in 2 s, with a tenth of the detections missing."""
+    """It sways by nearly an object's size, once in 2 s, and a tenth of the detections are missing."""
     rng = random.Random(3)  # noqa: S311  # no secrets
     shifts = [50 * math.sin(math.pi * max(number / 30 - 1, 0)) for number in range(200)]
     frames = (

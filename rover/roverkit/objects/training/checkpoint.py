@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import zipfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from roverkit.objects.training.learning import Learnt
+from roverlink.runtime.atomic_files import replacing
 from roverlink.runtime.core.errors import SetupError
 
 
@@ -42,15 +42,11 @@ def write_checkpoint(path: Path, plan: Plan, learnt: Learnt) -> None:
     arrays: dict[str, Any] = {f"weights {name}": array for name, array in learnt.weights.items()}
     arrays |= {f"statistics {name}": array for name, array in learnt.statistics.items()}
     arrays |= {f"state {index}": array for index, array in enumerate(learnt.state)}
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with part.open("wb") as file:
+        with replacing(path) as part, part.open("wb") as file:
             np.savez(file, plan=np.array(plan.text), epochs=np.array(learnt.epochs), **arrays)
-        part.replace(path)
     except OSError as error:
         raise SetupError(f"{path}: cannot write the checkpoint: {error.strerror or error}") from error
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def read_checkpoint(path: Path, plan: Plan) -> Learnt:

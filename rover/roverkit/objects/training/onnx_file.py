@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from roverkit.objects.detector import AUTHOR
 from roverkit.objects.training.jax_network import EPSILON
 from roverkit.objects.training.libraries import onnx
 from roverkit.objects.training.network import BOX, SIZE_UNIT, STRIDE, network
+from roverlink.runtime.atomic_files import replacing
 from roverlink.runtime.core.errors import SetupError
 
 _OPSET, _IR = 13, 8  # what ONNX Runtime of 2022 can read
@@ -53,12 +53,10 @@ def write_model(
         },
     )
     onnx.checker.check_model(model)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        part.write_bytes(model.SerializeToString(deterministic=True))
-        part.replace(path)
+        with replacing(path) as part:
+            part.write_bytes(model.SerializeToString(deterministic=True))
     except OSError as error:
-        part.unlink(missing_ok=True)
         raise SetupError(f"{path}: cannot write the model: {error.strerror or error}") from error
 
 

@@ -83,8 +83,6 @@ _SHARP = _Search(15, 5, 5, 2, CELL)
 """Finds sharp markers of all sizes whose white and black differ by 60 grey levels or more."""
 _BLURRED = _Search(15, 23, 23, 2, _WHOLE_CELL)
 """Finds markers that are blurred, partly covered or of less contrast, down to 30 pixels."""
-_BLURRED_EVERY = 3
-"""Number of quick scans of which one searches for blurred markers, too."""
 _LARGE = _Search(7, 33, 33, 2, CELL)
 """Finds markers, in an image of half the size, whose border is wider than the windows of `_THOROUGH`.
 

@@ -62,12 +62,6 @@ class Corners:
         """Shifts (2N, S) as in `shared`; without columns if no error is shared."""
         return np.empty((self.rays.size, 0)) if self.shared is None else self.shared
 
-    @property
-    def whole_covariance(self) -> Floats:
-        """Covariance (2N, 2N) of the rays due to all errors."""
-        whole: Floats = self.own_covariance + self.shifts @ self.shifts.T
-        return whole
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
