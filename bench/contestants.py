@@ -183,9 +183,10 @@ def _compile_for_same_work(script: Path, proto: Path, project: Path) -> None:
     for row in table["messages"]:
         row.pop("forward", None)
         row.pop("also", None)
-    shutil.copytree(proto, project / table["proto"]["root"], dirs_exist_ok=True)
-    # The ledger would refuse rows whose forwards and extra topics were published.
-    (project / "mapping.lock").unlink(missing_ok=True)
+    # The ledger of an earlier run would refuse rows whose forwards and extra topics were published, and without it,
+    # `generate` would not replace translations.json.
+    shutil.rmtree(project, ignore_errors=True)
+    shutil.copytree(proto, project / table["proto"]["root"])
     mapping = project / "mapping.yaml"
     mapping.write_text(yaml.safe_dump(table, sort_keys=False), encoding="utf-8")
     command = (str(script), "generate", "--table", str(mapping))
