@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 
 from roverlink.dds_domain import claim_domain
 from roverlink.generator import journal
+from roverlink.numerals import counted as counted
 from roverlink.runtime.core.errors import SetupError
 
 N = TypeVar("N", int, float)
@@ -55,11 +56,6 @@ def print_undelivered(counts: Mapping[str, int]) -> None:
     """Print that datagrams were not sent over a line, with their numbers by reason."""
     reasons = ", ".join(f"{reason} {count}" for reason, count in sorted(counts.items()))
     print_note(f"{counted(sum(counts.values()), 'datagram')} did not leave over the line: {reasons}")
-
-
-def counted(count: int, what: str) -> str:
-    """Return a number with the noun ``what``: ``1 row``, ``2 rows``."""
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def documented_command(

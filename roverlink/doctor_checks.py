@@ -128,7 +128,8 @@ def _table(project: Path) -> Iterator[CheckResult]:
         return
     # A file that today's table does not make may come from an option of `generate`.
     if changed := [change.path for change in changes if change.verb != "removed"]:
-        says = f"the generated code is not that of this table ({len(changed)} files differ); the bridge uses the code"
+        others = counted(len(changed), "other file")
+        says = f"the generated code is not that of this table ({others}); the bridge uses the code"
         yield CheckResult("warning", TABLE, says, "roverlink generate")
 
 

@@ -6,6 +6,7 @@ import struct
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from roverlink.numerals import counted
 from roverlink.runtime.core.wire_format import (
     DELIMITED,
     FIXED32,
@@ -51,7 +52,7 @@ def wire_lines(data: bytes, message: Any, depth: int = 0) -> Iterator[WireLine]:
                 yield WireLine(below, here, f"{name}, {field.message_type.name} as a group")
                 groups.append(field)
             elif kind == DELIMITED and field.message_type is not None:
-                size = f"{field.message_type.name} of {end - content} bytes"
+                size = f"{field.message_type.name} of {counted(end - content, 'byte')}"
                 yield WireLine(below, data[start:content].hex(" "), f"{name}, {size}")
                 yield from wire_lines(data[content:end], field.message_type, below + 1)
             else:
@@ -103,7 +104,7 @@ def _delimited(content: bytes, field: FieldDescriptor) -> str:
     if field.type == field.TYPE_STRING:
         return repr(content.decode("utf-8", errors="replace"))
     if field.type == field.TYPE_BYTES:
-        return f"{len(content)} bytes"
+        return counted(len(content), "byte")
     values, position = [], 0
     kinds = {field.TYPE_DOUBLE: FIXED64, field.TYPE_FIXED64: FIXED64, field.TYPE_SFIXED64: FIXED64}
     kinds |= {field.TYPE_FLOAT: FIXED32, field.TYPE_FIXED32: FIXED32, field.TYPE_SFIXED32: FIXED32}

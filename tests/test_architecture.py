@@ -20,7 +20,9 @@ _SHARED_NAMES = {
 }
 LINKED = ("generator", "runtime")
 """Folders of the repository that are imported as `roverlink.<folder>`."""
-_ALONE = ("suggestions", "datagram_size", "transport_addresses", "bounded_files", "bounded_yaml", "user_cache")
+_ALONE = (
+    *("suggestions", "datagram_size", "transport_addresses", "bounded_files", "bounded_yaml", "numerals", "user_cache"),
+)
 _FOR_ALL = tuple(f"roverlink/{name}" for name in _ALONE)
 PRODUCTS = ("rover/roverkit", "check_launch/check_launch")
 """Packages of the other products of the repository."""

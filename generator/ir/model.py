@@ -12,6 +12,7 @@ from enum import Enum
 from typing import Literal
 
 from roverlink.generator.ir.interfaces import BoardTime, Interface, Parts, Recovered, TargetField
+from roverlink.numerals import counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -343,7 +344,7 @@ class SendLimits:
     @property
     def text(self) -> str:
         """The limits in words: ``at most 5 messages a second, only changes, again after 1000 ms``."""
-        rate = f"at most {self.max_rate} messages a second" if self.max_rate else ""
+        rate = f"at most {counted(self.max_rate, 'message')} a second" if self.max_rate else ""
         again = f"again after {self.at_least_ms} ms" if self.at_least_ms else ""
         return ", ".join(filter(None, (rate, "only changes" if self.on_change else "", again))) or "all messages"
 

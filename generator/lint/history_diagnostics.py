@@ -24,6 +24,7 @@ from roverlink.generator.lint.history.judged_facts import is_named
 from roverlink.generator.lock import PastUse
 from roverlink.generator.protos.number_ranges import covers
 from roverlink.generator.protos.schema import Fact, ProtoEnum, ProtoEnumValue, ProtoField, ProtoMessage
+from roverlink.numerals import counted
 
 if TYPE_CHECKING:
     from roverlink.generator.lint.history import History
@@ -184,7 +185,7 @@ def _last_changes_text(changes: Sequence[Reuse]) -> str:
     """Return how a number got its meanings, as a predicate: only the latest of many changes."""
     text = "; it ".join(map(_change_text, changes[-_MOST_CHANGES:]))
     more = len(changes) - _MOST_CHANGES
-    return f"{text} (and {more} changes of meaning before)" if more > 0 else text
+    return f"{text} (and {counted(more, 'change')} of meaning before)" if more > 0 else text
 
 
 def began(reuse: Reuse) -> tuple[Commit, ...]:

@@ -39,6 +39,7 @@ from roverlink.generator.protos.files import read_protos
 from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile
 from roverlink.generator.protos.schema import Schema
 from roverlink.generator.table import Table, reader
+from roverlink.numerals import counted
 
 if TYPE_CHECKING:
     from roverlink.generator.lint.history import History
@@ -287,7 +288,7 @@ def _past(root: Path, shown_root: str, question: Question, findings: list[Diagno
         )
     for commit, lost in groupby(history.lost, key=lambda loss: loss.commit):
         first, *others = lost
-        and_others = f", nor that of {len(others)} other files" if others else ""
+        and_others = f", nor that of {counted(len(others), 'other file')}" if others else ""
         why = (
             f"the commit put it in the place of the submodule {first.origin!r}, whose repository has its history"
             if first.of_submodule

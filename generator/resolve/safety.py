@@ -21,6 +21,7 @@ from roverlink.generator.resolve.safety_rules import (
 )
 from roverlink.generator.resolve.well_known import SCALARS
 from roverlink.generator.table import DeadmanSettings, Row, Table
+from roverlink.numerals import counted
 from roverlink.suggestions import nearest
 
 Value = bool | int | float | str | bytes
@@ -88,7 +89,7 @@ def _too_slow(row: Row) -> Iterator[Diagnostic]:
     """Report a rate limit that is so low that the topic counts as silent between two messages."""
     if row.deadman and row.max_rate and 1000 / row.max_rate >= row.deadman.after_ms:
         silent = f"counts as silent after {row.deadman.after_ms} ms"
-        message = f"{row.name!r} has at most {row.max_rate} messages a second, but {silent}"
+        message = f"{row.name!r} has at most {counted(row.max_rate, 'message')} a second, but {silent}"
         also = [(row.deadman.at("after"), "this time is set here")]
         yield RateSlowerThanDeadman.at(row.at("max_rate"), message, "raise `max_rate` or `after`", also)
 

@@ -16,6 +16,8 @@ from collections import Counter
 from collections.abc import Callable
 from functools import cache
 
+from roverlink.numerals import counted
+
 FALSE_ALARM = 1e-3
 """Probability with which a gate refuses a right input."""
 _CHANCE = 1e-9
@@ -100,7 +102,7 @@ class Reasons:
             self._missing_since[result] = now
         elif now - since >= PATIENCE_NS and self._said.get(result) != why:
             self._said[result] = why
-            left_out = "".join(f"; {count} times: {reason}" for reason, count in self.counts.most_common(1))
+            left_out = "".join(f"; {counted(count, 'time')}: {reason}" for reason, count in self.counts.most_common(1))
             self._say(f"no {result} for {(now - since) / 1e9:.0f} s: {why}{left_out}")
 
     def give(self, result: str) -> None:

@@ -34,6 +34,7 @@ from roverlink.console import (
     OK,
     Subparsers,
     add_project,
+    counted,
     documented_command,
     isolate_ros,
     project_folder,
@@ -112,8 +113,9 @@ def run(arguments: argparse.Namespace) -> int:
     missing = [crossing.handler.route.name for crossing in rig.crossings if not crossing.count]
     crossed = sum(crossing.count for crossing in rig.crossings)
     console.print(
-        f"{len(rig.crossings) - len(missing)} of {len(rig.crossings)} messages were bridged, {crossed} times in all; "
-        f"{rig.forwarded} datagrams were forwarded unchanged from one peer to another"
+        f"{len(rig.crossings) - len(missing)} of {counted(len(rig.crossings), 'message')} bridged, "
+        f"{counted(crossed, 'time')} in all; {counted(rig.forwarded, 'datagram')} forwarded unchanged from one peer to "
+        "another"
     )
     counters = ", ".join(f"{name} {account[name]}" for name in _SHOWN_COUNTERS)
     console.print(f"counters of the bridge: {counters}", soft_wrap=True)
@@ -231,7 +233,8 @@ def _show(rig: _Rig, console: Console, seconds: float, title: str) -> None:
                     )
                 else:
                     crossed = sum(bool(crossing.count) for crossing in rig.crossings)
-                    console.print(f"{now - start:4.0f} s: {crossed} of {len(rig.crossings)} messages were bridged")
+                    of = counted(len(rig.crossings), "message")
+                    console.print(f"{now - start:4.0f} s: {crossed} of {of} bridged")
             steps += 1
             pace.wait(steps * STEP_NS)
         live.update(crossings.table(rig.crossings, title), refresh=True)

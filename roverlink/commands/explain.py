@@ -169,8 +169,8 @@ def _print_row(said: dict[str, Any]) -> None:
     for path in said["files"]:
         print(f"  {path}")
     example = said["example"]
-    size = len(example["bytes"] or "") // 2
-    print(f"\nexample: {example['missing'] or f'{size} bytes, as `roverlink simulate` sends it'}")
+    sent = counted(len(example["bytes"] or "") // 2, "byte")
+    print(f"\nexample: {example['missing'] or f'{sent}, as `roverlink simulate` sends it'}")
     _table([(f"{'  ' * line['depth']}{line['bytes']}", line["meaning"]) for line in example["lines"]])
 
 
@@ -215,7 +215,8 @@ def _size(size: dict[str, Any], peer: dict[str, Any]) -> str:
         carried, accepted = line["largest_datagram"], size["accepted"] or math.inf
         bridge = f"the bridge accepts at most {accepted} (parameter max_datagram)"
         limit += f"; {bridge if accepted < carried else f'its line carries at most {carried}'}"
-    return f"at most {size['payload']} bytes, {size['envelope']} in the envelope, computed as nanopb does{limit}"
+    payload = counted(size["payload"], "byte")
+    return f"at most {payload}, {size['envelope']} in the envelope, computed as nanopb does{limit}"
 
 
 def _field(field: dict[str, Any]) -> tuple[str, str, str]:

@@ -121,7 +121,7 @@ def print_changes(changes: list[Change], files: int, messages: int) -> None:
     """Print one line for each changed file, then the number of changed files, of generated files and of messages."""
     for change in changes:
         print(f"{change.verb:>8} {change.path}")
-    print(f"{counted(len(changes), 'change')} in {files} files for {counted(messages, 'message')}")
+    print(f"{counted(len(changes), 'change')} in {counted(files, 'file')} for {counted(messages, 'message')}")
 
 
 def _check(table: Path, changes: list[Change]) -> int:

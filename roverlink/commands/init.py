@@ -133,7 +133,7 @@ def _print_started(started: NewProject) -> None:
     """Print the files that were written, and the next steps."""
     _print_kept(started.kept)
     own = [change.path for change in started.changes if not change.path.startswith("generated/")]
-    print(f"wrote {', '.join(own)} and {len(started.changes) - len(own)} files in generated/")
+    print(f"wrote {', '.join(own)} and {counted(len(started.changes) - len(own), 'file')} in generated/")
     _print_places(started.kept, started.source)
     print("next:")
     print("  roverlink run                                        run the bridge until Ctrl-C")
@@ -190,7 +190,7 @@ def _print_adoption(adoption: Adoption, source: str) -> None:
     own = [path for path in added if path not in adoption.compiled.files]
     others = [change for change in adoption.changes if change.verb != "added"]
     print(
-        f"wrote {', '.join(own)} and {len(added) - len(own)} generated files"
+        f"wrote {', '.join(own)} and {counted(len(added) - len(own), 'generated file')}"
         + "".join(f"; {change.verb} {change.path}" for change in others)
     )
     _print_places(adoption.kept, source)

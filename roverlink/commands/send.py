@@ -21,6 +21,7 @@ from roverlink.console import (
     add_key_file,
     add_project,
     count,
+    counted,
     documented_command,
     project_folder,
     rate,
@@ -78,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
         name, registry=registry, host=host, port=port, local_port=0, key_files=keys, link=False
     ) as peer:
         _send(datagram, peer, arguments.count, arguments.rate)
-    print(f"sent {arguments.count} x {handler.route.name} ({len(datagram)} bytes) to {arguments.to}")
+    print(f"sent {arguments.count} x {handler.route.name} ({counted(len(datagram), 'byte')}) to {arguments.to}")
     return OK
 
 

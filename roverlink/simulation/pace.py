@@ -29,4 +29,4 @@ class Pace:
             self._skipped -= left
             if not self._warned:
                 self._warned = True
-                self._warn(f"this computer is too slow for {self._factor:g} times the real time")
+                self._warn(f"this computer is too slow for the real time (factor {self._factor:g})")

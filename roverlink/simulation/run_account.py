@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from roverlink.numerals import counted
 from roverlink.runtime import Reason, Translator
 from roverlink.runtime.bridge.account import discrepancies
 from roverlink.runtime.core.handler import UNSTAMPED
@@ -94,7 +95,7 @@ class RunTotals:
         """Yield the lines of the report for the user."""
         account = self.account
         hertz = self.sent.total() / self.seconds if self.seconds else 0
-        yield f"{self.sent.total()} datagrams were sent to the bridge, {hertz:.0f} a second; it counted them as:"
+        yield f"sent to the bridge: {counted(self.sent.total(), 'datagram')}, {hertz:.0f} a second; it counted them as:"
         ends = {PUBLISHED: account["published"]}
         ends |= {f"dropped: {reason}": count for reason, count in account["dropped"].items()}
         ends |= {"link messages": account["links_received"]} if account["links_received"] else {}
@@ -102,13 +103,13 @@ class RunTotals:
         for end, count in ends.items():
             yield f"  {count:>12} {end}"
         yield f"  {sum(ends.values()):>12} in total"
-        yield f"{self.commands} messages were published on topics for peers; the bridge counted them as:"
+        yield f"published on topics for peers: {counted(self.commands, 'message')}; the bridge counted them as:"
         ends = {"sent to a peer": account["sent"]}
         ends |= {text: sum(account[name].values()) for name, text in _ENDS_OF_COMMANDS.items()}
         ends["overwritten in a full ROS 2 queue"] = self.commands - account["taken"]
         for end, count in ends.items():
             yield f"  {count:>12} {end}"
-        yield f"{self.arrived} datagrams reached the peers; the bridge sent:"
+        yield f"arrived at the peers: {counted(self.arrived, 'datagram')}; the bridge sent:"
         yield f"  {account['sent']:>12} made from messages of topics"
         yield f"  {account['forwarded']:>12} forwarded from other peers"
         yield f"  {sum(account['stops'].values()):>12} stop datagrams, because a topic was silent (deadman)"
@@ -127,7 +128,7 @@ class RunTotals:
     def faults(self) -> list[str]:
         """Return a text for each count that does not add up, and one if the bridge's memory has grown too much.
 
-        An example is "10 datagrams were sent, but 9 were received or dropped by the kernel". The list is empty if there
+        An example is "sent 10 datagrams, but received or dropped by the kernel: 9". The list is empty if there
         is no fault.
         """
         return [
@@ -141,7 +142,7 @@ class RunTotals:
     def _lost_before_bridge(self) -> Iterator[str]:
         found = self.account["received"] + self.account["kernel_drops"]
         if found != self.sent.total():
-            yield f"{self.sent.total()} datagrams were sent, but {found} were received or dropped by the kernel"
+            yield f"sent {counted(self.sent.total(), 'datagram')}, but received or dropped by the kernel: {found}"
 
     def _mispredicted(self) -> Iterator[str]:
         """Yield a text for each reason with more or fewer dropped datagrams than predicted (see `predict`).
@@ -150,21 +151,21 @@ class RunTotals:
         """
         dropped = self.account["dropped"]
         for reason in Reason:
-            expected, counted = self.sent[reason.value], dropped.get(reason.value, 0)
+            expected, found = self.sent[reason.value], dropped.get(reason.value, 0)
             # It is unknown which datagrams the kernel dropped, so each prediction may be too high by all of them.
             spared = self.account["kernel_drops"] + sum(dropped.get(other.value, 0) for other in _BEFORE_PARSING)
             # If the newer datagram was dropped, a datagram that comes again is not older than all, but a replay.
             most = expected + (min(spared, self.sent[Reason.OUTDATED.value]) if reason is Reason.REPLAYED else 0)
-            if reason not in _OF_THE_BRIDGE and not expected - spared <= counted <= most:
-                yield f"{expected} datagrams should be dropped as {reason.value}, but {counted} were"
+            if reason not in _OF_THE_BRIDGE and not expected - spared <= found <= most:
+                yield f"expected as dropped for {reason.value}: {counted(expected, 'datagram')}, but dropped: {found}"
 
     def _lost_behind_bridge(self) -> Iterator[str]:
         out = sent_to_peers(self.account)
         found = self.arrived + self.lost_at_peers
         if out != found:
-            yield f"the bridge sent {out} datagrams to the peers, but {found} arrived or were dropped by the kernel"
+            yield f"the bridge sent {counted(out, 'datagram')} to the peers; arrived or dropped by the kernel: {found}"
         if self.account["taken"] > self.commands:
-            yield f"{self.commands} messages were published, but {self.account['taken']} received by the bridge"
+            yield f"published {counted(self.commands, 'message')}, but the bridge received {self.account['taken']}"
 
     def _memory_growth(self) -> Iterator[str]:
         # The first quarter is warm-up: caches fill and pools grow.

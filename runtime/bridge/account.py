@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from roverlink.numerals import counted
+
 WARNING_INTERVAL_S = 2.0
 
 
@@ -158,19 +160,19 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
     ends = [sum(account[name].values()) for name in ("refused", "superseded", "unchanged", "failed")]
     sums = [
         (
-            "datagrams received",
+            counted(account["received"], "datagram") + " received",
             account["received"],
             "published, dropped and link messages" if links else "published and dropped",
             account["published"] + dropped + links,
         ),
         (
-            "messages taken",
+            counted(account["taken"], "message") + " taken",
             account["taken"],
             "sent, refused, superseded, unchanged and failed",
             account["sent"] + sum(ends),
         ),
     ]
-    return [f"{count} {what}, but {other} {ends}" for what, count, ends, other in sums if count != other]
+    return [f"{what}, but {other} {ends}" for what, count, ends, other in sums if count != other]
 
 
 def by_end(counts: Mapping[Any, int]) -> dict[str, int]:

@@ -7,6 +7,7 @@ import socket
 import threading
 import time
 
+from roverlink.numerals import counted
 from roverlink.runtime.bridge.account import WARNING_INTERVAL_S, Account, ThrottledWarnings
 from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.net import udp
@@ -76,5 +77,6 @@ class Counters:
         self.account.kernel_drops = udp.kernel_drops(self._socket)
         if lost := self.account.kernel_drops - before:
             self.warnings.warn(
-                "lost", f"the kernel dropped {lost} datagrams: they arrive faster than the bridge handles them"
+                "lost",
+                f"the kernel dropped {counted(lost, 'datagram')}: more arrive than the bridge handles",
             )

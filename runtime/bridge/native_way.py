@@ -13,6 +13,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Protocol, runtime_checkable
 
+from roverlink.numerals import counted
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.forwarding import LimitedForward
 from roverlink.runtime.bridge.handling_times import BOUNDS_S, Latencies
@@ -173,14 +174,15 @@ class NativeWay:
         """Return a text about the rows that the core handles, and why it does not handle the others."""
         rows = len({*self.loop.rows, *(route.name for _, route, _, _ in self._outbound), *self.reasons})
         if not self.reasons:
-            return f"the native core handles all {rows} messages"
+            return f"the native core handles all messages ({rows})"
         by_reason: dict[str, list[str]] = {}
         for name, reason in self.reasons.items():
             by_reason.setdefault(reason, []).append(name)
         told = "; ".join(f"{reason}: {', '.join(names)}" for reason, names in by_reason.items())
         if len(self.reasons) == rows:
             return f"Python handles all messages ({told})"
-        return f"the native core handles {rows - len(self.reasons)} of {rows} messages, and Python the others ({told})"
+        handled = f"{rows - len(self.reasons)} of {counted(rows, 'message')}"
+        return f"the native core handles {handled}, and Python the others ({told})"
 
     @property
     def is_used(self) -> bool:

@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
+from roverlink.numerals import counted
 from roverlink.runtime.bridge.to_peer import OutboundRow, PublisherWatch
 from roverlink.runtime.bridge.to_topic import InboundRow
 from roverlink.runtime.core import cdr
@@ -205,7 +206,7 @@ class RequestToPeer(OutboundRow):
 
     def _unanswered(self) -> str:
         peer, attempts = self._handler.route.peer, self._exchange.settings.attempts
-        return f"{peer} has not answered {self.name}, which was sent {attempts} times"
+        return f"{peer} has not answered {self.name}, which was sent {counted(attempts, 'time')}"
 
     def _of_another_schema(self) -> str:
         return f"{self._handler.route.peer} has another schema of {self.name}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from roverlink.numerals import counted
 from roverlink.runtime.core.errors import RoverlinkError, SetupError
 from roverlink.runtime.core.handler import RowRequest
 from roverlink.runtime.core.registry import AnyHandler, EndName, Registry
@@ -74,7 +75,8 @@ class Requests:
             due, unanswered = repeater.take_due(now)
             datagrams += [datagram for datagram, _ in due]
             for done in unanswered:
-                done(UnansweredError(f"no response to {name}, which was sent {settings.attempts} times"))
+                times = counted(settings.attempts, "time")
+                done(UnansweredError(f"no response to {name}, which was sent {times}"))
         return datagrams
 
     def take(self, number: int, payload: Any, now: float) -> Fate | None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 from google.protobuf.any_pb2 import Any
 from google.protobuf.message import DecodeError
 
+from roverlink.numerals import counted
 from roverlink.runtime.core.errors import ConversionError
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def unpacked(payload: Any, type: type[P], place: str) -> P:
         return type.FromString(payload.value)
     except DecodeError as error:
         raise ConversionError(
-            f"its {len(payload.value)} bytes are not a valid {type.DESCRIPTOR.full_name}", place
+            f"not a valid {type.DESCRIPTOR.full_name}: {counted(len(payload.value), 'byte')}", place
         ) from error
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from google.protobuf.message import DecodeError
 
+from roverlink.numerals import counted
 from roverlink.runtime.core import envelope, link_message
 from roverlink.runtime.core.errors import ConversionError, DatagramError, Reason
 from roverlink.runtime.core.handler import UNSTAMPED, Stamps, all_to_cdr
@@ -188,10 +189,8 @@ class Translator:
         try:
             return self._parse(restored)
         except DecodeError as error:
-            start = datagram[:8].hex(" ")
-            raise DatagramError(
-                Reason.MALFORMED, f"not a valid {self._name}: {len(datagram)} bytes that start with {start}"
-            ) from error
+            size, start = counted(len(datagram), "byte"), datagram[:8].hex(" ")
+            raise DatagramError(Reason.MALFORMED, f"not a valid {self._name}: {size} starting with {start}") from error
 
     def payload(self, datagram: bytes) -> tuple[int, ProtoMessage]:
         """Return number and payload of a datagram, for programs other than the bridge.
@@ -231,7 +230,7 @@ class Translator:
             return self._refusal_of_known(name)
         numbers = envelope.payload_numbers(envelope.restore(datagram))
         if not numbers:
-            return DatagramError(Reason.EMPTY, f"the {self._name} has no payload ({len(datagram)} bytes)")
+            return DatagramError(Reason.EMPTY, f"the {self._name} has no payload ({counted(len(datagram), 'byte')})")
         # With several members on the wire, the last one wins (protobuf encoding, "Last One Wins").
         number = numbers[-1]
         retired = self._registry.retired.get(number)

@@ -13,6 +13,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from ipaddress import ip_address, ip_network
 
+from roverlink.numerals import counted
 from roverlink.runtime.core.errors import DatagramError, Reason
 from roverlink.runtime.core.registry import Peer
 
@@ -98,7 +99,7 @@ class SourceGate:
             self._known.move_to_end(address)
         if not source.take_token(now):
             raise DatagramError(
-                Reason.OVER_RATE, f"{ip_address(address)} sends more than {source.rate:g} datagrams a second"
+                Reason.OVER_RATE, f"{ip_address(address)} sends more than {counted(source.rate, 'datagram')} a second"
             )
         return source.peers
 

@@ -157,12 +157,12 @@ def _account(**changed: Any) -> dict[str, Any]:
     ("changed", "fault"),
     [
         ({}, None),
-        ({"received": 9, "published": 7}, "10 datagrams were sent, but 9 were received"),
+        ({"received": 9, "published": 7}, "sent 10 datagrams, but received or dropped by the kernel: 9"),
         ({"published": 7}, "10 datagrams received, but 9 published and dropped"),
-        ({"dropped": {"malformed": 1, "empty": 1}}, "2 datagrams should be dropped as malformed, but 1 were"),
+        ({"dropped": {"malformed": 1, "empty": 1}}, "expected as dropped for malformed: 2 datagrams, but dropped: 1"),
         ({"sent": 2}, "3 messages taken, but 2 sent"),
-        ({"forwarded": 1}, "the bridge sent 4 datagrams to the peers, but 3 arrived"),
-        ({"taken": 4, "refused": {"x": 1}}, "3 messages were published, but 4 received by the bridge"),
+        ({"forwarded": 1}, "the bridge sent 4 datagrams to the peers; arrived or dropped by the kernel: 3"),
+        ({"taken": 4, "refused": {"x": 1}}, "published 3 messages, but the bridge received 4"),
     ],
 )
 def test_sums_that_do_not_agree_are_told(changed: dict[str, Any], fault: str | None) -> None:
@@ -230,7 +230,7 @@ def test_a_simulated_board_with_old_protos_is_named(done: Start, tmp_path: Path)
     for board, row in (("Arm of hardware", "arm_state"), ("Drive of hardware", "drive_state"), ("base", "mode")):
         assert f"{board} has another schema of {row}\n" in output
     assert "link messages" in output
-    assert " datagrams were sent to the bridge" in output
+    assert "sent to the bridge: " in output
     assert output.splitlines()[-1] == "No problems found: all counts add up."
 
 

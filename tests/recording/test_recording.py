@@ -328,7 +328,7 @@ def test_what_the_disk_does_not_keep_up_with_is_counted(tmp_path: Path) -> None:
         pass
     assert (writing.lost, writing.waiting) == (20, 0)
     assert len(_read(tmp_path / "run.mcap")["/datagrams/received/raw"]) == 10
-    assert writing.summary().endswith("; 20 were lost because the disk was too slow")
+    assert writing.summary().endswith("; 20 lost because the disk was too slow")
 
 
 def test_a_defect_of_the_recorder_does_not_reach_the_bridge(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:

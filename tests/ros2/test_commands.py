@@ -21,7 +21,7 @@ def test_every_message_crosses_in_the_demo(done: Start) -> None:
     """In a few seconds all messages cross, those of the camera process among them."""
     code, output, errors = done("demo", "--seconds", 5, "--middleware", "rclpy")  # type: ignore[misc]
     assert code == 0, f"{output}\n{errors}"
-    assert "21 of 21 messages were bridged" in output
+    assert "21 of 21 messages bridged" in output
     assert re.search(r"located the rover in [1-9]\d* frames", output)
 
 

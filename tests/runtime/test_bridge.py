@@ -138,7 +138,7 @@ def test_each_reason_is_counted_and_warned_of(rig: Rig, caplog: pytest.LogCaptur
     direction = r"dropped: 'arm_ctrl' \(2\) is a message to a peer \(ros_to_hardware\)"
     bad = {
         "empty": (b"", r"dropped: the PBEnvelope has no payload \(0 bytes\)"),
-        "malformed": (b"\xff" * 9, r"dropped: not a valid PBEnvelope: 9 bytes that start with ff ff"),
+        "malformed": (b"\xff" * 9, r"dropped: not a valid PBEnvelope: 9 bytes starting with ff ff"),
         "unknown_payload": (bytes.fromhex("ca0100"), r"dropped: no row of the table has payload 25$"),
         "wrong_direction": (envelope(arm_ctrl={}), direction),
         "conversion": (envelope(imu_info={"error_code": 300}), r"dropped: payload 13: imu_info\.error_code: 300"),

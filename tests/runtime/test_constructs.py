@@ -56,7 +56,7 @@ def test_an_any_of_something_else_is_refused() -> None:
         check_empty(packed(Timestamp()), "Content")
     with pytest.raises(ConversionError, match=r"^Content: "):
         check_empty(Any(value=b"x"), "Content")
-    with pytest.raises(ConversionError, match=r"^Content\.time: its 1 bytes are not a valid google"):
+    with pytest.raises(ConversionError, match=r"^Content\.time: not a valid google"):
         unpacked(
             Any(type_url="type.googleapis.com/google.protobuf.Timestamp", value=b"\xff"), Timestamp, "Content.time"
         )

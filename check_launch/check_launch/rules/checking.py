@@ -61,9 +61,9 @@ class Checked:
         """Text about the files that the check has evaluated, and about those that it has not."""
         parts = []
         if self.launch_files:
-            parts.append(f"{self.evaluated} of {self.launch_files} launch files evaluated")
+            parts.append(f"{self.evaluated} of {counted(self.launch_files, 'launch file')} evaluated")
         if unread := self.parameter_files - self.read:
-            parts.append(f"{unread} of {self.parameter_files} parameter files not checked")
+            parts.append(f"{unread} of {counted(self.parameter_files, 'parameter file')} not checked")
         elif self.parameter_files:
             parts.append(f"{counted(self.parameter_files, 'parameter file')} checked")
         return ", ".join(parts)

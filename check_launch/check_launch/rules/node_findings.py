@@ -21,6 +21,7 @@ from check_launch.rules.launch_rules import (
 from check_launch.rules.stated_facts import stated_facts
 from check_launch.rules.system import RunningNode, System
 from roverlink.generator.diagnostics import Diagnostic
+from roverlink.numerals import counted
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _OPTIONS = frozenset(
@@ -56,7 +57,8 @@ def _of_length(given: GivenValue, view: ParameterView) -> Iterator[Diagnostic]:
     lengths = stated_facts().length_of(view.facts.name, given.name)
     if lengths and isinstance(given.value, list) and len(given.value) not in lengths:
         wanted = " or ".join(map(str, lengths))
-        finding = WrongLength.at(given.place, f"'{given.name}' has {len(given.value)} values; it must have {wanted}")
+        values = counted(len(given.value), "value")
+        finding = WrongLength.at(given.place, f"'{given.name}' has {values}; it must have {wanted}")
         yield as_warning(finding) if given.name in stated_facts().tolerated else finding
 
 
@@ -142,7 +144,7 @@ def _of_static_transform(node: RunningNode) -> Iterator[Diagnostic]:
     help = "write --x 0 --y 0 --z 0 --yaw 0 --pitch 0 --roll 0 --frame-id PARENT --child-frame-id CHILD"
     if numbers not in (6, 7):
         period = " (ROS 2 takes no period)" if _NUMBER.fullmatch(texts[-1]) else ""
-        message = f"static_transform_publisher gets {len(texts)} words; it takes 8 or 9{period}"
+        message = f"static_transform_publisher gets {counted(len(texts), 'word')}; it takes 8 or 9{period}"
         yield RefusedArguments.at(at, message, help)
         return
     wrong = next((word for word in texts[:numbers] if not _NUMBER.fullmatch(word)), None)

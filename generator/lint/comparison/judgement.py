@@ -24,6 +24,7 @@ from roverlink.generator.lint.names.name_words import words
 from roverlink.generator.lint.names.similar_names import Comparison, Likeness, compare_names, is_telling
 from roverlink.generator.lint.names.value_names import shared_words
 from roverlink.generator.protos.parser import SCALARS, map_types
+from roverlink.numerals import counted
 
 ENUM_VALUE = "enum value"
 NAMED = "message or enum"
@@ -294,7 +295,8 @@ def judge_types(types: TypePair, *fields: str) -> Judgement:
     old, new = types.old, types.new
     parts, smaller = compare_parts(old, new), min(len(old.parts), len(new.parts))
     if smaller and parts.kept * 3 < 2 * smaller:
-        return Judgement(Meaning.OTHER, f"{new.name!r} has {parts.kept} of the {parts.before} fields of {old.name!r}")
+        kept = f"{parts.kept} of the {counted(parts.before, 'field')} of {old.name!r}"
+        return Judgement(Meaning.OTHER, f"{new.name!r} has {kept}")
     by_type, by_field = compare_names(old.name, new.name), compare_names(fields[0], fields[1])
     for compared in (by_type, by_field):
         if compared.likeness is Likeness.OPPOSITE:

@@ -20,6 +20,7 @@ from roverlink.generator.lint.history.usages import TracedUsage
 from roverlink.generator.lint.history.word_renames import WordRenames
 from roverlink.generator.lint.names.similar_names import is_called_a_rename
 from roverlink.generator.lint.names.value_names import shared_words
+from roverlink.numerals import counted
 
 # A number that had two names or two types is not always a reuse: teams rename fields, move messages between packages
 # and split them into files. A rule that reports each of these would be turned off. So two usages of a number are
@@ -145,7 +146,7 @@ class Reuses:
             known = any(old.facts == new.facts for old in past)
             if past and not known and (kept := self._compare_contents(past[-1], new)).is_another_message:
                 yield self._reuse(
-                    Kind.REPLACED, use, use, past[-1], new, f"{kept.left} of {kept.before} fields are left", node
+                    Kind.REPLACED, use, use, past[-1], new, f"{kept.left} of {counted(kept.before, 'field')} left", node
                 )
 
     # --- what is said of both ---------------------------------------------------------------------------------------

@@ -17,6 +17,7 @@ from roverlink.generator.lint.free_numbers import NewNumbers, changed_field, new
 from roverlink.generator.lint.judged_ledger import burned_fields, burned_values, reused_fields, reused_values
 from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.protos.schema import ProtoEnumValue
+from roverlink.numerals import counted
 
 
 class EnumValueMeaningReplaced(LintRule, id="WIR110"):
@@ -131,10 +132,10 @@ def _replaced_messages(change: SchemaChange) -> Iterator[Diagnostic]:
     for pair in messages(change):
         parts = compare_parts(type_state(pair.old, change.before), type_state(pair.new, change.after))
         if parts.is_another_message:
-            counted = f"{parts.replaced} of {parts.before} fields were replaced, {parts.left} kept"
+            fields = f"{parts.replaced} of {counted(parts.before, 'field')} replaced, {parts.left} kept"
             yield MessageContentReplaced.at(
                 pair.new.at("name"),
-                f"{pair.new.full_name!r} is now another message: {counted}",
+                f"{pair.new.full_name!r} is now another message: {fields}",
                 "give the new message another name, and restore the old message",
                 change.earlier(pair.old.at("name"), "the old message is here"),
                 type=pair.new.full_name,

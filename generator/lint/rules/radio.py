@@ -9,6 +9,7 @@ from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.nanopb import envelope_size, largest_size
 from roverlink.generator.table import PeerSettings, Row
+from roverlink.numerals import counted
 
 _HEADERS = 28  # bytes of IPv4 and UDP
 
@@ -100,7 +101,7 @@ class ForwardRateWithoutEffect(LintRule, id="RAD102", severity=Severity.HINT):
             for forward in row.forward_settings:
                 if row.max_rate and forward.max_rate and forward.max_rate > row.max_rate:
                     message = (
-                        f"{forward.peer!r} gets up to {forward.max_rate} messages of {row.name!r} a second, "
+                        f"{forward.peer!r} gets up to {counted(forward.max_rate, 'message')} of {row.name!r} a second, "
                         f"but its topic gets {row.max_rate}"
                     )
                     also = [(row.at("max_rate"), "the topic's limit is here")]

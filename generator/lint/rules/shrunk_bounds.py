@@ -10,6 +10,7 @@ from roverlink.generator.lint.context import Context
 from roverlink.generator.lint.rules import LintRule
 from roverlink.generator.nanopb import FieldBounds
 from roverlink.generator.protos.schema import ProtoField, ProtoMessage
+from roverlink.numerals import counted
 
 _BITS = {"int32": 32, "sint32": 32, "uint32": 32, "int64": 64, "sint64": 64, "uint64": 64}
 
@@ -92,18 +93,20 @@ _Shrunk = tuple[str, str]  # the option, and a text about the values that the fi
 def _shrunk_size(now: _Bounded, before: _Bounded) -> Iterator[_Shrunk]:
     size, earlier = now.capacity, before.capacity
     if now.given.fixed_length and size is not None and (size != earlier or not before.given.fixed_length):
-        yield "fixed_length", f"exactly {size} bytes now; it accepted {_at_most(earlier, before.given.fixed_length)}"
-    elif _is_less(size, earlier):
+        accepted = _at_most(earlier, before.given.fixed_length)
+        yield "fixed_length", f"exactly {counted(size, 'byte')} now; it accepted {accepted}"
+    elif size is not None and _is_less(size, earlier):
         option = "max_length" if now.given.max_length is not None else "max_size"
-        yield option, f"at most {size} bytes now; it accepted {earlier}"
+        yield option, f"at most {counted(size, 'byte')} now; it accepted {earlier}"
 
 
 def _shrunk_count(now: _Bounded, before: _Bounded) -> Iterator[_Shrunk]:
     count, earlier = now.given.max_count, before.given.max_count
     if now.given.fixed_count and count is not None and (count != earlier or not before.given.fixed_count):
-        yield "fixed_count", f"exactly {count} values now; it accepted {_at_most(earlier, before.given.fixed_count)}"
-    elif _is_less(count, earlier):
-        yield "max_count", f"at most {count} values now; it accepted {earlier}"
+        accepted = _at_most(earlier, before.given.fixed_count)
+        yield "fixed_count", f"exactly {counted(count, 'value')} now; it accepted {accepted}"
+    elif count is not None and _is_less(count, earlier):
+        yield "max_count", f"at most {counted(count, 'value')} now; it accepted {earlier}"
 
 
 def _shrunk_integer(now: _Bounded, before: _Bounded) -> Iterator[_Shrunk]:

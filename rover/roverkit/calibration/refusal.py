@@ -12,6 +12,7 @@ from roverkit.calibration.coverage import CELLS, Coverage, traits
 from roverkit.calibration.solution import Fitted, PoorViewsError
 from roverkit.calibration.views import View
 from roverkit.vision.camera.camera_model import CameraParameters
+from roverlink.numerals import counted
 
 FEWEST_VIEWS = 10
 FEWEST_CELLS = 0.6
@@ -48,11 +49,11 @@ def check_coverage(kept: Sequence[Fitted], board: CalibrationBoard, camera: Came
     count = CELLS[0] * CELLS[1]
     if len(empty) > (1 - FEWEST_CELLS) * count:
         where = ", ".join(dict.fromkeys(empty))
-        reasons.append(f"{len(empty)} of {count} parts of the image have no corners: {where}; show the board there")
+        reasons.append(f"no corners in {len(empty)} of {count} parts of the image: {where}; show the board there")
     if tilted < FEWEST_TILTED:
         reasons.append(
-            f"the board is tilted in {tilted} views, but {FEWEST_TILTED} are needed: without tilt, the distance "
-            "cannot be separated from the focal length; hold the board at an angle to the camera in more views"
+            f"the board is tilted in {counted(tilted, 'view')}, but {FEWEST_TILTED} are needed: without tilt, the "
+            "distance cannot be separated from the focal length; hold the board at an angle to the camera in more views"
         )
     if reasons:
         raise PoorViewsError(tuple(reasons))

@@ -158,7 +158,7 @@ def _doubts(evidence: Evidence) -> Iterator[Doubt]:
         names = ", ".join(dict.fromkeys(evidence.empty))
         yield Doubt(
             Verdict.USABLE,
-            f"{len(evidence.empty)} of {evidence.parts} parts of the image have no corners, so the lens is unknown "
+            f"no corners in {len(evidence.empty)} of {evidence.parts} parts of the image, so the lens is unknown "
             f"there: {names}; show the board there",
         )
     if max(evidence.dropped, evidence.rejected) > DROPPED:

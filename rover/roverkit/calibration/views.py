@@ -13,6 +13,7 @@ from roverkit.calibration.saddles import Saddles, Sites, find_saddles
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.markers.detection import Image, to_grey
 from roverkit.vision.opencv import cv2
+from roverlink.numerals import counted
 
 FEWEST_CORNERS = 8
 """Least number of corners of a usable view; with fewer, errors of the view cannot be detected."""
@@ -48,7 +49,7 @@ class View:
         if not self.ids.size:
             return "no board found"
         if self.ids.size < FEWEST_CORNERS:
-            return f"{self.ids.size} corners found, but {FEWEST_CORNERS} are needed"
+            return f"{counted(self.ids.size, 'corner')} found, but {FEWEST_CORNERS} are needed"
         spread = np.linalg.svd(self.corners - self.corners.mean(axis=0), compute_uv=False)
         return "all corners are on one line" if spread[1] < _FLAT * spread[0] else ""
 

@@ -20,6 +20,7 @@ from roverkit.demo.driven_path import Point
 from roverkit.demo.field import SIDE, landmarks, write_cameras, write_field
 from roverkit.demo.rover_images import RoverImages
 from roverkit.vision.camera.camera_model import Floats
+from roverlink.numerals import counted
 from roverlink.runtime.middleware import Middleware
 from roverlink.simulation.demo_parts import DemoSetting
 from roverlink.topic_types import full_topic
@@ -55,9 +56,9 @@ class MarkerCamera(CameraProgram):
     @property
     def result(self) -> str:
         """Number of images, and the largest error of the position."""
-        known = len(self._driven.landmarks)
+        known = counted(len(self._driven.landmarks), "landmark")
         return (
-            f"the camera of the rover located the rover in {self._frames} frames with {known} landmarks; "
+            f"the camera of the rover located the rover in {counted(self._frames, 'frame')} with {known}; "
             f"largest error {1e3 * self._worst:.0f} mm"
         )
 

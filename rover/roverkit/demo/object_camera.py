@@ -19,6 +19,7 @@ from roverkit.objects.object_types import ClassesFile, ObjectTypes
 from roverkit.objects.runtime_session import import_runtime
 from roverkit.objects.scenes import CLASSES, SIZE, sequence
 from roverkit.vision.opencv import cv2
+from roverlink.numerals import counted
 from roverlink.runtime import SetupError
 from roverlink.runtime.middleware import Middleware
 from roverlink.simulation.demo_parts import DemoSetting
@@ -65,7 +66,7 @@ class ObjectCamera(CameraProgram):
     def result(self) -> str:
         """Number of images, and the part of the objects that was found."""
         part = self._found / max(self._there, 1)
-        return f"a simulated camera searched {self._frames} frames for objects; it found {part:.0%} of them"
+        return f"a simulated camera searched {counted(self._frames, 'frame')} for objects; it found {part:.0%} of them"
 
     def _take(self, view: dict[str, Any]) -> None:
         objects = [

@@ -21,6 +21,7 @@ from typing import Protocol
 from roverkit.driving.approach import LandmarkViewpoint
 from roverkit.driving.arcs import PlanarPose
 from roverkit.mission.mission_file import Goal, Mission
+from roverlink.numerals import counted
 
 REFUSED_PAUSE_S = 2.0
 """Pause in seconds after a goal that Nav2 has refused."""
@@ -109,7 +110,7 @@ class MissionRun:
                 self.report(Report(State.STOPPED, number, f"the mission ends at {goal.name}"))
                 return False
         reached, count = len(self.mission.goals) - len(failed), len(self.mission.goals)
-        self.report(Report(State.DONE, 0, f"{reached} of {count} goals reached"))
+        self.report(Report(State.DONE, 0, f"{reached} of {counted(count, 'goal')} reached"))
         return not failed
 
     def _reach(self, number: int, goal: Goal) -> str:

@@ -15,6 +15,7 @@ from roverkit.objects.plausibility import objection
 from roverkit.objects.runtime_session import Array, Session
 from roverkit.vision.markers.detection import Image, to_colour
 from roverkit.vision.opencv import cv2
+from roverlink.numerals import counted
 from roverlink.runtime.core.errors import SetupError, nearest
 
 SCORE = 0.25
@@ -169,7 +170,7 @@ class ObjectDetector:
         if len(found) == 1:
             return found[0]
         outputs = ", ".join(f"{name} {_shown(shape)}" for name, shape in signature.shapes.items())
-        classes = f" and {signature.classes} classes" if signature.classes else ""
+        classes = f" and {counted(signature.classes, 'class')}" if signature.classes else ""
         start = f"{self._path}: the outputs are {outputs}{classes};"
         if found:
             names = " or ".join(dict.fromkeys(candidate.name for candidate in found))

@@ -31,7 +31,7 @@ from roverkit.vision.frames import Frame, FrameSource
 from roverkit.vision.images.drawing import write_above
 from roverkit.vision.images.object_drawing import draw_objects
 from roverkit.vision.markers.detection import Image, to_colour
-from roverlink.console import OK
+from roverlink.console import OK, counted
 from roverlink.node_log import publish_log
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net.udp import resolve
@@ -221,9 +221,9 @@ def _rates(before: Sent, after: Sent, seconds: float) -> str:
         f"{(after.octets - before.octets) * 8 / 1000 / seconds:.0f} kbit/s",
     ]
     if after.skipped > before.skipped:
-        parts.append(f"{after.skipped - before.skipped} images left out because the link was full")
+        parts.append(f"{counted(after.skipped - before.skipped, 'image')} left out because the link was full")
     if after.lost > before.lost:
-        parts.append(f"{after.lost - before.lost} packets lost")
+        parts.append(f"{counted(after.lost - before.lost, 'packet')} lost")
     if after.round_trip is not None:
         parts.append(f"round trip {1e3 * after.round_trip:.0f} ms")
     return ", ".join(parts)

@@ -28,7 +28,7 @@ def test_the_rover_of_the_demo_drives_and_knows_where_it_is(done: Start) -> None
     """
     code, output, _ = done("demo", "--seconds", 3)
     assert code == 0, output
-    assert "21 of 21 messages were bridged" in output
+    assert "21 of 21 messages bridged" in output
 
     def numbers(pattern: str) -> list[float]:
         found = re.search(pattern, output)

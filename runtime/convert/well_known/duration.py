@@ -28,7 +28,7 @@ def parts(payload: Payload, field: str) -> tuple[int, int]:
         raise ConversionError(f"{nanoseconds} nanoseconds are a second or more; protobuf allows less", field)
     if seconds * nanoseconds < 0:
         raise ConversionError(
-            f"{seconds} seconds and {nanoseconds} nanoseconds have different signs, which protobuf does not allow",
+            f"{seconds} s and {nanoseconds} ns have different signs, which protobuf does not allow",
             field,
         )
     # Borrow a second, since ROS 2 stores nanoseconds as uint32.

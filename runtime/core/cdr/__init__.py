@@ -16,6 +16,7 @@ from __future__ import annotations
 import struct
 from typing import TypeVar
 
+from roverlink.numerals import counted
 from roverlink.runtime.core.cdr.encapsulation import LITTLE_ENDIAN, Codec
 from roverlink.runtime.core.cdr.fixed import fixed_codec, leaves_of
 from roverlink.runtime.core.cdr.misfit import UNWRITABLE, misfit, type_name
@@ -58,7 +59,7 @@ def decode(message_type: type[M], data: bytes, views: bool = False) -> M:
     try:
         return _codec(message_type, order, views).decode(data)
     except struct.error as error:
-        raise ConversionError(f"{len(data)} bytes are too short for {message_type.__msgtype__}") from error
+        raise ConversionError(f"too short for {message_type.__msgtype__}: {counted(len(data), 'byte')}") from error
     except UnicodeDecodeError as error:
         raise ConversionError(f"a string of {message_type.__msgtype__} is not UTF-8") from error
 

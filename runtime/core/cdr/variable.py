@@ -9,6 +9,7 @@ import struct
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeVar
 
+from roverlink.numerals import counted
 from roverlink.runtime.core.cdr.encapsulation import BOOL, LITTLE_ENDIAN, Codec, check_flags
 from roverlink.runtime.core.messages import (
     UINT8,
@@ -51,7 +52,7 @@ class _Reader:
     def view(self, count: int) -> memoryview:
         # A corrupt length must not allocate gigabytes: check it against the data that is left.
         if count > len(self.body) - self.position:
-            raise struct.error(f"{count} bytes wanted, {len(self.body) - self.position} left")
+            raise struct.error(f"{counted(count, 'byte')} wanted, {len(self.body) - self.position} left")
         view = self.body[self.position : self.position + count]
         self.position += count
         return view
@@ -166,7 +167,7 @@ def _check_text(data: bytes, bound: int | None) -> None:
     if b"\0" in data:
         raise struct.error("it holds a NUL character, which a ROS string cannot carry")
     if bound is not None and len(data) > bound:
-        raise struct.error(f"its {len(data)} bytes are more than string<={bound} allows")
+        raise struct.error(f"its size of {counted(len(data), 'byte')} is more than string<={bound} allows")
 
 
 def _sequence_part(sequence: Sequence, order: str) -> Part:
@@ -186,7 +187,7 @@ def _array_part(array: Array, order: str) -> Part:
 
     def write(body: bytearray, values: Any) -> None:
         if len(values) != array.length:
-            raise struct.error(f"it has {len(values)} elements instead of {array.length}")
+            raise struct.error(f"it has {counted(len(values), 'element')} instead of {array.length}")
         elements.write(body, values)
 
     return Part(write, lambda reader: elements.read(reader, array.length))

@@ -15,6 +15,7 @@ from google.protobuf.message_factory import GetMessageClass
 
 from roverlink.generator import ir
 from roverlink.generator.example_payloads import EXAMPLE_S, payload_at
+from roverlink.numerals import counted
 
 _BYTES_A_LINE = 16
 
@@ -89,7 +90,7 @@ def _taken_apart(field: FieldDescriptor, value: Message, data: bytes, depth: int
     size = value.ByteSize()
     around = len(data) - size
     start = around // 2 if field.type == field.TYPE_GROUP else around  # a group also has a tag at its end
-    yield Line(data[:start].hex(" "), f"{'  ' * depth}{field.name}: {value.DESCRIPTOR.name}, {size} bytes")
+    yield Line(data[:start].hex(" "), f"{'  ' * depth}{field.name}: {value.DESCRIPTOR.name}, {counted(size, 'byte')}")
     yield from _lines(value, depth + 1)
     if start < around:
         yield Line(data[start + size :].hex(" "), f"{'  ' * depth}end of {field.name}")
@@ -125,7 +126,7 @@ def _value(field: FieldDescriptor, value: Any) -> str:
     if field.enum_type is not None:
         return field.enum_type.values_by_number[value].name
     if field.type == field.TYPE_BYTES:
-        return f"{len(value)} bytes"
+        return counted(len(value), "byte")
     if field.type == field.TYPE_FLOAT:
         return f"{value:.7g}"  # a 32-bit float has about 7 decimal digits
     return json.dumps(value)

@@ -11,6 +11,7 @@ from roverkit.calibration.coverage import CELLS, Need
 from roverkit.calibration.report import parameters
 from roverkit.calibration.solution import Calibration, Fitted
 from roverkit.calibration.views import View
+from roverlink.numerals import counted
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,11 +74,11 @@ def _goal(name: str, parts: Sequence[tuple[str, bool]]) -> dict[str, Any]:
 
 
 def _view(taken: Taken, fitted: Fitted | None, *, calibrated: bool) -> dict[str, Any]:
-    lines = [taken.view.name, f"{len(taken.view.ids)} corners"]
+    lines = [taken.view.name, counted(len(taken.view.ids), "corner")]
     if fitted is not None:
         lines.append(f"dropped: {fitted.dropped}" if fitted.dropped else f"error {fitted.rms:.3f} px")
         if fitted.rejected:
-            lines.append(f"{fitted.rejected} corners rejected")
+            lines.append(f"{counted(fitted.rejected, 'corner')} rejected")
     elif calibrated:
         lines.append("not used yet")
     return {"number": taken.number, "lines": lines, "bad": bool(fitted and fitted.dropped)}
@@ -88,7 +89,7 @@ def _result(calibration: Calibration, taken: Sequence[Taken]) -> dict[str, Any]:
     kept = sum(not fitted.dropped for fitted in calibration.views)
     judgement = calibration.judgement
     remarks = [f"Judgement: {judgement.verdict.value}.", *(f"{doubt.text}." for doubt in judgement.doubts)]
-    remarks += [f"RMS {calibration.rms:.3f} px over {kept} views; ± is the 95 % interval."]
+    remarks += [f"RMS {calibration.rms:.3f} px over {counted(kept, 'view')}; ± is the 95 % interval."]
     if {id(shown.view) for shown in taken} != {id(fitted.view) for fitted in calibration.views}:
         remarks.append("The views have changed since the calibration: calibrate again.")
     return {"numbers": numbers, "remarks": remarks}

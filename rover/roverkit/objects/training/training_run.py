@@ -77,7 +77,8 @@ def train(arguments: argparse.Namespace) -> None:
             raise
         print_note(f"stopped after {newest[0].epochs} of {arguments.epochs} epochs; --resume goes on")
     learnt = newest[0]
-    description = f"trained with {counted(len(data.train), 'image')} in {learnt.epochs} epochs, seed {arguments.seed}"
+    images, epochs = counted(len(data.train), "image"), counted(learnt.epochs, "epoch")
+    description = f"trained with {images} in {epochs}, seed {arguments.seed}"
     write_model(arguments.out, learnt.weights, learnt.statistics, data.names, arguments.size, description)
     if learnt.epochs == arguments.epochs:
         checkpoint.unlink(missing_ok=True)

@@ -34,6 +34,7 @@ from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.camera.file_storage_xml import compose_xml
 from roverkit.vision.yaml_file import LARGEST, Item, parse, parse_with
 from roverlink.bounded_files import read_text
+from roverlink.numerals import counted
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.runtime.core.errors import SetupError, nearest
 
@@ -158,7 +159,7 @@ class _Entries:
         rows, columns = (_whole(parts[name], name, least=0) for name in ("rows", "cols"))
         numbers = [_number(number) for number in data]
         if len(numbers) != rows * columns:
-            raise parts["data"].error(f"{key} is {rows}x{columns}, but has {len(numbers)} numbers")
+            raise parts["data"].error(f"{key} is {rows}x{columns}, but has {counted(len(numbers), 'number')}")
         return np.array(numbers).reshape(rows, columns)
 
     def covariance(self) -> Floats | None:
@@ -173,7 +174,8 @@ class _Entries:
             return None
         deviations = self.matrix(DEVIATIONS).ravel()
         if deviations.size < 4:
-            raise self._items[DEVIATIONS].error(f"{DEVIATIONS} has {deviations.size} numbers; it needs fx fy cx cy")
+            numbers = counted(deviations.size, "number")
+            raise self._items[DEVIATIONS].error(f"{DEVIATIONS} has {numbers}; it needs fx fy cx cy")
         return np.diag(deviations[:4] ** 2)
 
     def size(self) -> tuple[int, int] | None:

@@ -9,6 +9,7 @@ from typing import Any
 from roverkit.vision.frames.frame import size_of
 from roverkit.vision.markers.detection import Image
 from roverkit.vision.opencv import cv2
+from roverlink.numerals import counted
 from roverlink.runtime.core.errors import SetupError
 
 CODECS = {".mp4": "mp4v", ".avi": "MJPG"}
@@ -66,7 +67,7 @@ class Film:
         code = cv2.VideoWriter_fourcc(*CODECS[self._path.suffix.lower()])
         self._writer = cv2.VideoWriter(str(self._part), cv2.CAP_FFMPEG, code, self._rate, self._size)
         if not self._writer.isOpened():
-            raise SetupError(f"{self._path}: cannot write a video with {self._rate:g} images a second")
+            raise SetupError(f"{self._path}: cannot write a video with {counted(self._rate, 'image')} a second")
         self._start = self._stamp = stamp
 
     def __enter__(self) -> Film:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from roverkit.vision.markers.detection import Image
 from roverkit.vision.opencv import cv2
+from roverlink.numerals import counted
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import ConversionError, SetupError, nearest
 from roverlink.runtime.core.messages import Message
@@ -153,10 +154,11 @@ def _pixels(message: sensor_msgs.Image) -> NDArray[Any]:
     if not row or not height:
         raise ConversionError(f"the image is empty: {size}")
     if step < row:
-        raise ConversionError(f"an image of {size} needs {row} bytes a row, but its step is {step}")
+        raise ConversionError(f"an image of {size} needs {counted(row, 'byte')} a row, but its step is {step}")
     if len(message.data) != height * step:
         raise ConversionError(
-            f"an image of {size} with a step of {step} needs {height * step} bytes, but has {len(message.data)}"
+            f"an image of {size} with a step of {step} needs {counted(height * step, 'byte')}, but has "
+            f"{len(message.data)}"
         )
     if encoding.channels == _PAIRED and width % 2:
         raise ConversionError(f"the width of an image of {size} is odd; two pixels share their colour")
@@ -190,7 +192,7 @@ def _depth(encoding: str, data: bytes) -> NDArray[Any]:
     if encoding not in ("16UC1", "32FC1"):
         raise ConversionError(f"unknown encoding {encoding!r} of a compressedDepth image (known: 16UC1, 32FC1)")
     if len(data) < _DEPTH_HEADER.size:
-        raise ConversionError(f"a compressedDepth image of {len(data)} bytes is truncated")
+        raise ConversionError(f"a compressedDepth image of {counted(len(data), 'byte')} is truncated")
     _, scale, shift = _DEPTH_HEADER.unpack_from(data)
     stored = _decoded(data[_DEPTH_HEADER.size :], f"{encoding}; compressedDepth")
     if stored.dtype != np.uint16 or stored.ndim != 2:
