@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import MISFITS, Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.core.tap import Tap
+from roverlink.runtime.core.tap import Sources, Tap
 from roverlink.runtime.text.values import message_to_values
 
 HISTORY_S = 300.0
@@ -21,6 +21,7 @@ _POINTS = 600  # of a row; the page looks at the values twice a second
 _FIELDS = 100  # of a row
 _ELEMENTS = 16  # of an array
 _LONGEST = 200  # characters of a text
+_TURN_S = 0.001
 _EXACT = 2**53  # JavaScript's numbers are exact up to here
 
 Values = dict[str, Any]
@@ -62,10 +63,8 @@ class History:
 class _NewestMessage:
     """Function that keeps the newest message of a row (see `NewestTap`)."""
 
-    newest_is_enough = True
-
-    def __init__(self, newest: dict[str, bytes], row: str) -> None:
-        self._newest, self._row = newest, row
+    def __init__(self, newest: dict[str, bytes], row: str, sources: Sources) -> None:
+        self._newest, self._row, self.sources = newest, row, sources
 
     def __call__(self, messages: Sequence[bytes], arrived: Sequence[int] = ()) -> None:  # noqa: ARG002  # of each tap
         if messages:
@@ -84,6 +83,7 @@ class LastValues:
         self._newest: dict[str, bytes] = {}
         self._types: dict[str, type[Message]] = {}
         self._shown: dict[str, bytes] = {}
+        self._sources = Sources()
 
     def topic(self, topic: str, message_type: type[Message], qos: Qos) -> Tap | None:  # noqa: ARG002  # not needed
         """Return a function that keeps the newest message of a row's topic; None for other topics."""
@@ -91,10 +91,12 @@ class LastValues:
         if row is None:
             return None
         self._types[row] = message_type
-        return _NewestMessage(self._newest, row)
+        return _NewestMessage(self._newest, row, self._sources)
 
     def changes(self) -> Iterator[tuple[str, Values]]:
         """Yield name and values of each row that has had a message since the last call."""
+        self._sources()
+        turn = time.monotonic()
         for row, data in list(self._newest.items()):
             if data is self._shown.get(row):
                 continue
@@ -103,8 +105,10 @@ class LastValues:
                 yield row, flat(message_to_values(cdr.decode(self._types[row], data)))
             except MISFITS:  # another node sent bytes that are not of this type; the bridge counts that
                 continue
-            # Python changes threads only every 5 ms unless one waits; so the bridge gets its turn after each row.
-            time.sleep(0.0005)
+            # Python changes threads only every 5 ms unless one waits; so the bridge gets its turn every millisecond.
+            if time.monotonic() - turn > _TURN_S:
+                time.sleep(_TURN_S / 2)
+                turn = time.monotonic()
 
 
 def flat(values: Mapping[str, Any]) -> Values:

@@ -330,6 +330,7 @@ class Bridge:
         self._forwarding.refuse(forwards)
         if self._native is not None:
             self._native.refuse(rows, forwards)
+        self._timekeeper.wake()  # a request that is refused gets its answer now
 
     # --- the native way ---
 

@@ -167,11 +167,12 @@ class LimitedRow(ABC):
 
     def take(self, messages: Sequence[bytes]) -> None:
         """Pass on the messages that the limits let pass. The newest one may have to wait; the others are counted."""
-        due = self.next_due
         with self.lock:
+            due = self._next_pass
             self._take(messages)
+            is_earlier = self._next_pass < due
         # Outside of the lock, because `wake` makes the timekeeper take the lock at once.
-        if self.next_due < due:
+        if is_earlier:
             self.wake()
 
     def _take(self, messages: Sequence[bytes]) -> None:

@@ -14,9 +14,6 @@ from typing import Protocol
 
 from roverlink.runtime.core.periodic_thread import AlarmedThread
 
-_LOOK_S = 0.1
-"""Longest time in seconds between two runs of a task; the loss of a publisher is noticed after this time at most."""
-
 
 class TimedTask(Protocol):
     """Task that a `Timekeeper` runs at certain times."""
@@ -24,7 +21,7 @@ class TimedTask(Protocol):
     def run_due(self, now: float) -> None:
         """Do the work whose time has come, if any. Must never block.
 
-        The timekeeper calls this in every round: when a task is due, after `Timekeeper.wake`, and at least every 0.1 s.
+        The timekeeper calls this in every round: when a task is due, and after `Timekeeper.wake`.
         """
 
     @property
@@ -66,6 +63,6 @@ class Timekeeper:
                 for task in self._tasks:
                     task.run_due(now)
                 due = min(task.next_due for task in self._tasks)
-                wait_s = max(0.0, min(due - time.monotonic(), _LOOK_S))
+                wait_s = max(0.0, due - time.monotonic())
         except BaseException as failure:  # noqa: BLE001  # `run` of the bridge raises it
             self._fail(failure)

@@ -24,6 +24,8 @@ from roverlink.runtime.text.assignments import payload_from_assignments
 
 _STOP_COPIES = 3
 """Number of times that the stop is sent at shutdown, because UDP may lose a datagram and nobody sends it later."""
+_LOOK_S = 0.1
+"""Time in seconds after which the loss of a publisher is noticed at most."""
 # A full buffer or a moment without radio link usually takes neighbouring datagrams, so the copies go out apart.
 _STOP_PAUSE_S = 0.02
 
@@ -186,14 +188,14 @@ class PublisherWatch:
     thread of the middleware hangs, and the stop must not wait for that.
     """
 
-    next_due = math.inf
-
     def __init__(self, subscription: Subscription, watchdog: Watchdog, wake: Callable[[], None]) -> None:
         self._subscription, self._watchdog, self._wake = subscription, watchdog, wake
         self._published = False
+        self.next_due = 0.0
 
-    def run_due(self, _: float) -> None:
+    def run_due(self, now: float) -> None:
         """Make the stop due if the topic had a publisher at the last call and has none now."""
+        self.next_due = now + _LOOK_S
         published = self._subscription.has_publishers()
         if self._published and not published:
             self._watchdog.lost_publisher()

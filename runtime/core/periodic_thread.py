@@ -40,12 +40,13 @@ class AlarmedThread:
             self._wake.send(b"\0")
 
     def wait(self, seconds: float) -> bool:
-        """Wait in the thread until `wake` is called, but not longer than a number of seconds.
+        """Wait in the thread until `wake` is called, but not longer than a number of seconds, which may be infinite.
 
         Return false if the thread has to end.
         """
         # poll takes whole milliseconds. Rounded down, the wait would end before a task is due.
-        if not self._ending and self._poll.poll(math.ceil(seconds * 1000)):
+        timeout = None if seconds == math.inf else math.ceil(seconds * 1000)
+        if not self._ending and self._poll.poll(timeout):
             self._woken.recv(_WAKES)
         return not self._ending
 

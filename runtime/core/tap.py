@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol, runtime_checkable
 
 
@@ -14,11 +15,37 @@ class Tap(Protocol):
         """Take messages; ``arrived`` are their times in nanoseconds of the monotonic clock, empty for now."""
 
 
+class Sources:
+    """Functions that pass on what has come since their last call.
+
+    Whoever takes messages at times of its own calls them first. Safe to use from several threads.
+    """
+
+    def __init__(self) -> None:
+        self._all: tuple[Callable[[], object], ...] = ()
+        self._lock = threading.Lock()
+
+    def add(self, source: Callable[[], object]) -> None:
+        """Call ``source`` from now on."""
+        with self._lock:
+            self._all = (*self._all, source)
+
+    def remove(self, source: Callable[[], object]) -> None:
+        """Call ``source`` no longer."""
+        with self._lock:
+            self._all = tuple(one for one in self._all if one != source)
+
+    def __call__(self) -> None:
+        """Call all functions."""
+        for source in self._all:
+            source()
+
+
 @runtime_checkable
 class NewestTap(Tap, Protocol):
     """Tap for which the newest message is enough."""
 
-    newest_is_enough: bool
+    sources: Sources
 
 
 class Block(Protocol):
@@ -40,6 +67,8 @@ class Block(Protocol):
 
 class BlockFile(Protocol):
     """File that takes blocks."""
+
+    sources: Sources
 
     def put(self, block: Block) -> None:
         """Take a block. Return at once."""

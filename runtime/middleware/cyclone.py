@@ -41,6 +41,8 @@ _set_batching.argtypes, _set_batching.restype = (dds_c_t.qos_p, ctypes.c_bool), 
 
 _wait_for_acks = _library.dds_wait_for_acks
 _wait_for_acks.argtypes, _wait_for_acks.restype = (dds_c_t.entity, dds_c_t.duration), dds_c_t.returnv
+_count_matched = _library.dds_get_matched_publications
+_count_matched.argtypes, _count_matched.restype = (dds_c_t.entity, ctypes.c_void_p, ctypes.c_size_t), dds_c_t.returnv
 _delete = _library.dds_delete
 _delete.argtypes, _delete.restype = (dds_c_t.entity,), dds_c_t.returnv
 
@@ -186,7 +188,8 @@ class RawReader:
 
     def has_publishers(self) -> bool:
         """Return true if DDS has found a writer that matches this reader."""
-        return bool(self._reader.get_matched_publications())
+        # The package's function makes a list of them, and asks twice for it.
+        return bool(_count_matched(self._reference, None, 0) > 0)
 
 
 class NativeWaitSet:

@@ -11,7 +11,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 from roverlink.runtime.core.periodic_thread import PeriodicThread
-from roverlink.runtime.core.tap import BlockFile, FileTap, NewestTap, Tap
+from roverlink.runtime.core.tap import BlockFile, FileTap, NewestTap, Sources, Tap
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
 
@@ -23,7 +23,9 @@ _RECORD = struct.Struct("=IIq")  # size, channel, time: `rl_ring` in bridge.h
 class ObserverRing:
     """Ring into which one thread of the core copies what observers want, and from which Python takes it.
 
-    A context manager, whose thread empties the ring twenty times a second.
+    A context manager. If a tap waits for messages, a thread empties the ring twenty times a second; files and taps of
+    the newest message let it be emptied when they need the messages (see `Sources`). If the ring is full, the core
+    hands the next message over, which empties it, too (`PythonCalls`).
     """
 
     def __init__(self, core: NativeCore, taps: Mapping[int, Sequence[Tap]], name: str) -> None:
@@ -35,26 +37,35 @@ class ObserverRing:
         self._files: dict[BlockFile, ctypes.Array[ctypes.c_uint16]] = {}
         self._taps: dict[int, list[Tap]] = {}
         self._of_newest: dict[int, list[Tap]] = {}
+        self._readers: set[Sources] = set()
         self._channels = max(taps) + 1
         for channel, listeners in taps.items():
             for tap in listeners:
                 if isinstance(tap, FileTap):
                     channels = self._files.setdefault(tap.file, (ctypes.c_uint16 * self._channels)())
                     channels[channel] = tap.channel
+                    self._readers.add(tap.file.sources)
+                elif isinstance(tap, NewestTap):
+                    self._of_newest.setdefault(channel, []).append(tap)
+                    self._readers.add(tap.sources)
                 else:
-                    of = self._of_newest if isinstance(tap, NewestTap) else self._taps
-                    of.setdefault(channel, []).append(tap)
+                    self._taps.setdefault(channel, []).append(tap)
         self._memory, self._out = ctypes.create_string_buffer(_ROOM), ctypes.create_string_buffer(_ROOM)
         self.struct = native.Ring(ctypes.addressof(self._memory), _ROOM)
         self._lock = threading.Lock()
         self._thread = PeriodicThread(name, _LOOK_S, self.empty, logging.getLogger("roverlink"))
 
     def __enter__(self) -> ObserverRing:
-        self._thread.__enter__()
+        for reader in self._readers:
+            reader.add(self.empty)
+        if self._taps:
+            self._thread.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._thread.__exit__()
+        for reader in self._readers:
+            reader.remove(self.empty)
         self.empty()
 
     def empty(self) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import select
+import signal
 import socket
 import struct
 import sys
@@ -26,12 +27,6 @@ _SO_RCVBUFFORCE = 33  # asm-generic/socket.h
 _SO_MEMINFO = 55  # asm-generic/socket.h
 _MEMINFO_DROPS = 8  # SK_MEMINFO_DROPS in linux/sock_diag.h
 _DRAIN_S = 0.5  # longest time to handle datagrams after the stop
-_SIGNAL_S = 0.2
-"""Interval in seconds at which a waiting main thread wakes up.
-
-Python runs signal handlers only in the main thread, and a signal that arrives just before a wait does not end it.
-"""
-
 _SLOTS = 64
 """Largest number of datagrams that are read before they are handled."""
 
@@ -222,7 +217,8 @@ class Receiver(Generic[T]):
         self._wake, self._woken = socket.socketpair()
         self._wake.setblocking(False)
         self._woken.setblocking(False)
-        self._stopping = False
+        self._stopping = self._has_ended = False
+        self._tell_end: Callable[[], object] = lambda: None
         self._loop: Loop | None = None
         self.left = 0
         """Datagrams that had arrived at the stop but were not handled in time."""
@@ -278,12 +274,36 @@ class Receiver(Generic[T]):
 
     def join(self) -> None:
         """Wait until the thread ends. Raises `FailedThreadError` if an exception of ``handle`` ended it."""
-        while self._thread.is_alive():
-            self._thread.join(_SIGNAL_S)
+        if threading.current_thread() is threading.main_thread():
+            self._wait_for_end()
+        self._thread.join()
         if self._failure is not None:
             raise FailedThreadError(self._thread.name, self._failure)
 
+    def _wait_for_end(self) -> None:
+        """Wait in the main thread until the thread ends.
+
+        Python runs signal handlers only in the main thread, and a signal that arrives just before a wait does not end
+        it. So each signal, too, sends a byte to the socket for which this waits.
+        """
+        told, tell = socket.socketpair()
+        with told, tell:
+            tell.setblocking(False)
+            before = signal.set_wakeup_fd(tell.fileno(), warn_on_full_buffer=False)
+            self._tell_end = lambda: tell.send(b"\0")
+            try:
+                while self._thread.is_alive() and not self._has_ended:
+                    told.recv(1)
+            finally:
+                signal.set_wakeup_fd(before)
+
     def _run(self) -> None:
+        self._read_until_stopped()
+        self._has_ended = True
+        with contextlib.suppress(OSError):  # nobody waits any more, or many signals have filled the socket
+            self._tell_end()
+
+    def _read_until_stopped(self) -> None:
         poll = select.poll()
         poll.register(self._sock, select.POLLIN)
         poll.register(self._woken, select.POLLIN)

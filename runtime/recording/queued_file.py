@@ -10,13 +10,14 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from roverlink.runtime.core.tap import Block, Tap
+from roverlink.runtime.core.tap import Block, Sources, Tap
 from roverlink.runtime.recording import file_names
 from roverlink.runtime.recording.clocks import ClockJump, RunClock
 from roverlink.runtime.recording.mcap_file import CLOCK_JUMP, Channel, Entry, McapFile
 
 QUEUE = 65_536
 """Default number of messages that may wait for each file; at 10,000 a second, more than six seconds."""
+_MUCH = 0.25  # part of them from which on they are written earlier
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +78,9 @@ class QueuedFile:
         """
         self._path, self._kind, self._settings, self._metadata, self._sort = path, kind, settings, metadata, sort
         self._clock = clock
+        self.sources = Sources()
+        self.wake: Callable[[], None] = lambda: None
+        """Function that lets the file be written earlier, because much waits."""
         self._jumps: list[ClockJump] = []
         self.limit = settings.queue
         self.waiting: deque[Entry | _WaitingBlock] = deque()
@@ -116,30 +120,38 @@ class QueuedFile:
                 return
             self._in_blocks += block.count - 1
             self.waiting.append(_WaitingBlock(block, wall() - monotonic()))
+        if self.waiting_messages > self.limit * _MUCH:
+            self.wake()
 
-    def take(self) -> None:
-        """Write the waiting messages to the file. If the file is then large enough, begin the next part."""
+    def take(self) -> bool:
+        """Write the waiting messages to the file. If the file is then large enough, begin the next part.
+
+        Return true if some of them had come one by one, and not in blocks.
+        """
+        self.sources()
         # Only as many as wait now: a fast producer must not keep this loop going forever.
         count = len(self.waiting)
         if not count:
-            return
+            return False
         # Before the messages leave the queue: if the disk is full, `give_up` counts those that are in it.
         while self._declared < len(self.channels):
             self.file.add_channel(self.channels[self._declared])
             self._declared += 1
-        taken = [self._next_waiting() for _ in range(count)]
+        taken, one_by_one = [self._next_waiting() for _ in range(count)], False
         for is_block, run in groupby(taken, lambda entry: isinstance(entry, _WaitingBlock)):
             entries = [*run]
             if is_block:
                 for block, publish_time in entries:
                     self.file.add_block(block, self._clock.start, publish_time)
             else:
+                one_by_one = True
                 self.file.add(entries if self._sort is None else map(self._sort, entries))
         if self._settings.rotate_bytes is not None and self.file.size >= self._settings.rotate_bytes:
             self.finish()
             ended = self.file.size
             self.file, self._ended = self._next_file(), False
             self._bytes_before += ended
+        return one_by_one
 
     def _next_waiting(self) -> Any:
         entry = self.waiting.popleft()

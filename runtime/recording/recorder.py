@@ -16,6 +16,7 @@ from typing import Any
 
 from google.protobuf.message import DecodeError
 
+from roverlink.numerals import counted
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.periodic_thread import AlarmedThread
@@ -30,7 +31,10 @@ from roverlink.runtime.recording.schemas import descriptor_set_of
 
 # The rmw value for an unlimited duration: the largest int64, in nanoseconds.
 _FOREVER = {"sec": 9_223_372_036, "nsec": 854_775_807}
-_WAKE_S = 0.05  # short, so that one round holds the interpreter lock only briefly
+_WAKE_S = 0.05
+"""Time between two rounds in seconds: short, so that one round holds the interpreter lock only briefly."""
+_CALM_S = 0.25
+"""The same while all messages come in blocks of the native core, for which a round hardly needs the lock."""
 _FLUSH_S = 0.5  # interval of flushes: a kill loses messages of this time, plus those being written
 _NEARLY_FULL_S = 300.0  # time until the disk is full, at the current rate, below which a warning is logged
 
@@ -79,6 +83,8 @@ class Recorder:
         self.failure: str | None = None
         """Reason why the recording failed; None while it works."""
         self._thread = AlarmedThread("record", self._run)
+        for queued in self._files:
+            queued.wake = self._thread.wake
 
     # --- channels ---
 
@@ -146,8 +152,9 @@ class Recorder:
     def summary(self) -> str:
         """Return the result of the recording as one line of text."""
         topics, datagrams = (queued.counts.total() for queued in self._files)
-        lost = f"; {self.lost} were lost because the disk was too slow" if self.lost and not self.failure else ""
-        return f"recorded {topics} messages of topics and {datagrams} datagrams to {self.path}{lost}"
+        lost = f"; {self.lost} lost because the disk was too slow" if self.lost and not self.failure else ""
+        recorded = f"{counted(topics, 'message')} of topics and {counted(datagrams, 'datagram')}"
+        return f"recorded {recorded} to {self.path}{lost}"
 
     # --- writing ---
 
@@ -160,8 +167,9 @@ class Recorder:
 
     def _run(self) -> None:
         try:
-            while self._thread.wait(_WAKE_S):
-                self._write_waiting()
+            pause = _CALM_S
+            while self._thread.wait(pause):
+                pause = _WAKE_S if self._write_waiting() else _CALM_S
             self._take()
             for queued in self._files:
                 queued.finish()
@@ -170,6 +178,9 @@ class Recorder:
                 return
         except Exception as error:  # noqa: BLE001  # any error ends the recording, never the bridge
             self._fail(error)
+            while self._thread.wait(_CALM_S):  # what still comes is lost, and counted
+                for queued in self._files:
+                    queued.sources()
         else:
             self._logger.info("%s", self.summary())
 
@@ -179,25 +190,29 @@ class Recorder:
             queued.delete()
         self._logger.info("nothing was recorded, so %s was not kept", self.path)
 
-    def _take(self) -> None:
-        """Write the messages that wait; before, write down if the computer's clock was set."""
+    def _take(self) -> bool:
+        """Write the messages that wait; before, write down if the computer's clock was set.
+
+        Return true if messages have come one by one.
+        """
         if jump := self._clock.jump():
             self._logger.warning(
                 "the computer's clock %s; the recording keeps the order and the pace of its messages", jump
             )
             for queued in self._files:
                 queued.jumped(jump)
-        for queued in self._files:
-            queued.take()
+        one_by_one = [queued.take() for queued in self._files]
+        return any(one_by_one)
 
-    def _write_waiting(self) -> None:
-        self._take()
+    def _write_waiting(self) -> bool:
+        one_by_one = self._take()
         now = time.monotonic()
         if now >= self._next_flush:
             self._next_flush = now + _FLUSH_S
             for queued in self._files:
                 queued.file.flush()
             self._check_free_space()
+        return one_by_one
 
     def _check_free_space(self) -> None:
         """Log a warning if the disk will be full within five minutes.

@@ -27,6 +27,7 @@ from roverlink.runtime import ConversionError
 from roverlink.runtime.bridge.limited_row import Pacer
 from roverlink.runtime.core.handler import UNSTAMPED
 from roverlink.runtime.core.signing import SigningClock, Stream
+from roverlink.runtime.core.tap import Sources
 from roverlink.runtime.native import bridge_layout, core, layout
 from roverlink.runtime.native.core import open_core
 from roverlink.runtime.native.observer_ring import ObserverRing
@@ -172,16 +173,18 @@ def test_observers_get_what_they_want_of_a_ring() -> None:
     )
     seen: dict[str, list[Any]] = {"all": [], "newest": [], "nothing": []}
 
-    def tap(name: str, **marks: bool) -> Any:
+    def tap(name: str, **marks: Any) -> Any:
         take = partial(lambda given, times: seen[name].extend(zip(given, times)))
         vars(take).update(marks)
         return take
 
-    taps = {0: [tap("all")], 1: [tap("newest", newest_is_enough=True)], 4: [tap("nothing", newest_is_enough=True)]}
+    reader = Sources()
+    taps = {0: [tap("all")], 1: [tap("newest", sources=reader)], 4: [tap("nothing", sources=reader)]}
     ring = ObserverRing(core.open_core(REGISTRY), taps, "ring")
     ctypes.memmove(ring.struct.memory, records, len(records))
     ring.struct.written = len(records)
-    ring.empty()
+    with ring:
+        reader()
     assert seen["all"] == [(data, len(data)) for channel, data in messages if channel == 0]
     assert (seen["newest"], seen["nothing"]) == ([(bytes([19]) * 19, 19)], [])
 
