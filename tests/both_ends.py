@@ -86,7 +86,13 @@ def _is_through(near: Bridge, registry: Registry, peer: str, link: Relay, far: B
     account = near.account
     own = sum(count for row, count in account.sent.items() if registry.by_name[row].route.peer == peer)
     sent = own + account.forwarded[peer] + account.links_sent[peer]
-    return link.has_taken(sent) and far.account.received >= link.handed_on
+    return link.has_taken(sent) and has_handled(far, link.handed_on)
+
+
+def has_handled(bridge: Bridge, datagrams: int) -> bool:
+    """True if a bridge has received so many datagrams, and has counted what became of them."""
+    account = bridge.account
+    return account.received >= datagrams and not account.discrepancies()
 
 
 def copied_keys(folder: Path, end: str) -> Callable[[Registry], SignedLinks | None]:

@@ -76,8 +76,9 @@ class BudgetedPeer:
     @property
     def next_due(self) -> float:
         """Time at which the budget allows to send the next datagram; infinity if none waits. For the timekeeper."""
-        self._planned = self._due
-        return self._planned
+        self._planned = math.inf  # what is put from now on wakes the timekeeper
+        self._planned = due = self._due
+        return due
 
     def end(self) -> None:
         """Send what waits until it is too old, for half a second at most. Call it when nothing is put any more."""
@@ -100,6 +101,7 @@ class BudgetedPeer:
             try:
                 while (due := self._next(time.monotonic())) is not None:
                     due.send([due.datagram])
+                    self._outbox.has_left(due.size, time.monotonic())
                 self._due = self._outbox.next_due
                 self._account.budget_bytes[self._peer.name] = self._outbox.sent_bytes
             finally:

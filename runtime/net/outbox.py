@@ -122,6 +122,11 @@ class Outbox(Generic[T]):
         self.sent_bytes += size
         return item
 
+    def has_left(self, size: int, now: float) -> None:
+        """Take note that the datagram of the last `take` left at the time ``now``, which may be much later."""
+        if self._bucket is not None:
+            self._bucket.has_left(size, now)
+
     def discard(self) -> None:
         """Discard what waits, because the program stops."""
         for queue in self._queues:
@@ -174,17 +179,26 @@ class _Bucket:
 
     def pays(self, size: int, is_urgent: bool, now: float) -> bool:
         """Remove the bytes of a datagram, and return true; false if it has to wait."""
-        if now > self._at:
-            flowed = self._rate * (now - self._at) if self._at > -math.inf else 0.0
-            self._level, self._at = min(self._level + flowed, self._reserve + self._rest), now
+        self._flow(now)
         if self._level < self._needed(size, is_urgent) - _ROUNDING:
             return False
         self._level -= size
         return True
 
+    def has_left(self, size: int, now: float) -> None:
+        """Let the bucket be as if the datagram had paid at this later time: a full one takes nothing meanwhile."""
+        self._level += size
+        self._flow(now)
+        self._level -= size
+
     def time_for(self, size: int, is_urgent: bool) -> float:
         """Return the time at which there are enough bytes for a datagram."""
         return self._at + max(0.0, self._needed(size, is_urgent) - self._level) / self._rate
+
+    def _flow(self, now: float) -> None:
+        if now > self._at:
+            flowed = self._rate * (now - self._at) if self._at > -math.inf else 0.0
+            self._level, self._at = min(self._level + flowed, self._reserve + self._rest), now
 
     def _needed(self, size: int, is_urgent: bool) -> int:
         return size if is_urgent else size + self._reserve
