@@ -41,7 +41,9 @@ class Watchdog:
     @property
     def next_due(self) -> float:
         """Time at which `is_due` becomes true if no message is sent to the peer before."""
-        return self._due
+        with self._lock:
+            self._note_last_sent()
+            return self._due
 
     def message_passed(self, now: float) -> None:
         """Record that a message was sent to the peer at the time ``now``; this restarts the time of silence."""

@@ -12,6 +12,7 @@ subscriber is called, the lock of the exchange is not held.
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -185,9 +186,10 @@ class RequestToPeer(OutboundRow):
 
     @property
     def next_due(self) -> float:
-        """Time at which a request must be sent again, or counts as unanswered."""
+        """Time at which a request must be sent again, or counts as unanswered; at once if requests are refused."""
         with self._exchange.lock:
-            return self._exchange.calls.next_due
+            due = self._exchange.calls.next_due
+        return -math.inf if self.refused and due < math.inf else due
 
     def end_calls(self) -> None:
         """Answer all calls that wait, and those to come, with an error. Call it when no timekeeper runs any more."""

@@ -8,6 +8,7 @@ blocked.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from typing import Protocol
@@ -19,10 +20,7 @@ class TimedTask(Protocol):
     """Task that a `Timekeeper` runs at certain times."""
 
     def run_due(self, now: float) -> None:
-        """Do the work whose time has come, if any. Must never block.
-
-        The timekeeper calls this in every round: when a task is due, and after `Timekeeper.wake`.
-        """
+        """Do the work whose time has come, if any. Must never block. The timekeeper calls this when `next_due` says."""
 
     @property
     def next_due(self) -> float:
@@ -59,10 +57,12 @@ class Timekeeper:
         try:
             wait_s = 0.0
             while self._thread.wait(wait_s):
-                now = time.monotonic()
+                now, first = time.monotonic(), math.inf
                 for task in self._tasks:
-                    task.run_due(now)
-                due = min(task.next_due for task in self._tasks)
-                wait_s = max(0.0, due - time.monotonic())
+                    if (due := task.next_due) <= now:
+                        task.run_due(now)
+                        due = task.next_due
+                    first = min(first, due)
+                wait_s = max(0.0, first - time.monotonic())
         except BaseException as failure:  # noqa: BLE001  # `run` of the bridge raises it
             self._fail(failure)

@@ -190,11 +190,11 @@ class DatagramLoop:
         names = {row.number: name for name, row in self.rows.items()}
         rows = [names.get(row.number, "") for row in self._row_structs]
 
-        guarded = self._python.guarded
+        guarded, unobserved = self._python.guarded, self._python.unobserved
         self._bridge.calls = native.Calls(
             native.Handle(lambda datagrams, count: guarded(self._hand_over, datagrams, count)),
-            native.OfTopic(lambda topic: guarded(not_published, topics[topic])),
-            native.OfTopic(lambda topic: guarded(wait, topics[topic].route.name)),
+            native.OfTopic(lambda topic: unobserved(not_published, topics[topic])),
+            native.OfTopic(lambda topic: unobserved(wait, topics[topic].route.name)),
             native.Send(lambda index, datagrams, count: guarded(send, destinations[index], _bytes(datagrams, count))),
             native.Admit(lambda index, datagram: _address(admit(rows[index], _sender(datagram[0])))),
         )

@@ -19,9 +19,16 @@ class PythonCalls:
 
     def guarded(self, call: Callable[..., object], *arguments: Any) -> int:
         """Return 0 after a call, or 1 if it raised an error; 1 ends the loop of the core."""
+        return self.unobserved(self._in_order, call, *arguments)
+
+    def _in_order(self, call: Callable[..., object], *arguments: Any) -> None:
+        if self.ring is not None:  # what Python handles is newer
+            self.ring.empty()
+        call(*arguments)
+
+    def unobserved(self, call: Callable[..., object], *arguments: Any) -> int:
+        """Do the same for a call that passes nothing on to observers."""
         try:
-            if self.ring is not None:  # what Python handles is newer
-                self.ring.empty()
             call(*arguments)
         except BaseException as failure:  # noqa: BLE001  # the loop raises it
             self.failure = failure

@@ -47,7 +47,7 @@ class TopicLoop:
         self._calls = native.ServingCalls(
             native.Serve(lambda index, most: guarded(self._topics[index].serve, most)),
             native.Pass(lambda index, one: guarded(self._topics[index].callback, [native.bytes_of(one[0])])),
-            native.OfTopic(lambda index: guarded(self._wait, index)),
+            native.OfTopic(lambda index: self._python.unobserved(self._wait, index)),
             native.Pass(lambda index, one: guarded(self._send, index, native.bytes_of(one[0]))),
         )
         self._server = native.Server()

@@ -17,6 +17,7 @@ from __future__ import annotations
 import errno
 import os
 import struct
+import sys
 import zlib
 from array import array
 from collections import Counter, defaultdict
@@ -387,5 +388,8 @@ class McapFile:
 def _message_index(channel: int, column: array[int]) -> bytes:
     """Return the Message Index record of one channel in a chunk; ``column`` holds time and offset of each message."""
     # An array of pairs (time, offset), 16 bytes each. An offset counts from the start of the uncompressed chunk.
-    size = 8 * len(column)
-    return struct.pack(f"<BQHI{len(column)}Q", Opcode.MESSAGE_INDEX, 6 + size, channel, size, *column)
+    if sys.byteorder == "big":
+        column = column[:]
+        column.byteswap()
+    pairs = column.tobytes()
+    return struct.pack("<BQHI", Opcode.MESSAGE_INDEX, 6 + len(pairs), channel, len(pairs)) + pairs
