@@ -61,7 +61,7 @@ class Block(Protocol):
         """Return Message records of MCAP; the times are what to add to those of the monotonic clock, in nanoseconds.
 
         The second value has each channel's number in the file, with a log time and a place for each of its messages.
-        The first place is ``offset``.
+        The first place is ``offset``, and the times of a channel rise.
         """
 
 

@@ -58,6 +58,7 @@ __all__ = ["Channel", "Entry", "McapError", "McapFile", "Opcode", "ReadDataStrea
 # The Message record of the MCAP specification: opcode, length, channel id, sequence, log time, publish time.
 _MESSAGE = struct.Struct("<BQHIQQ")
 _MESSAGE_REST = _MESSAGE.size - 9  # the record's length without opcode, length field and data
+_LATEST_TIME = 2**64 - 1  # that MCAP has
 _ZSTD_LEVEL = 1  # the fastest; higher levels gain little on chunks of this size
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
@@ -117,28 +118,29 @@ class _Chunk:
         # by channel: time, offset, time, offset...
         self.index: defaultdict[int, array[int]] = defaultdict(lambda: array("Q"))
         self.size = 0
+        self.earliest, self.latest = _LATEST_TIME, 0
+        """Times of the messages, in nanoseconds since 1970."""
 
     def add(self, entries: Iterable[Entry]) -> None:
         parts, index, size, pack = self.parts, self.index, self.size, _MESSAGE.pack
+        earliest, latest = self.earliest, self.latest
         for time, wall, channel, data in entries:
             length = len(data)
             parts.append(pack(Opcode.MESSAGE, _MESSAGE_REST + length, channel, 0, time, wall))
             parts.append(data)
             index[channel].extend((time, size))
             size += _MESSAGE.size + length
-        self.size = size
+            earliest = time if time < earliest else earliest
+            latest = time if time > latest else latest
+        self.size, self.earliest, self.latest = size, earliest, latest
 
     def add_block(self, block: Block, log_time: int, publish_time: int) -> None:
         records, columns = block.records(log_time, publish_time, self.size)
         self.parts.append(records)
         for channel, column in columns:
             self.index[channel].extend(column)
+            self.earliest, self.latest = min(self.earliest, column[0]), max(self.latest, column[-2])
         self.size += len(records)
-
-    def span(self) -> tuple[int, int]:
-        """Return the earliest and the latest time of the chunk's messages, in nanoseconds since 1970."""
-        times = [column[::2] for column in self.index.values()]
-        return min(map(min, times)), max(map(max, times))
 
 
 class McapFile:
@@ -304,11 +306,10 @@ class McapFile:
     def _write_chunk(self) -> None:
         """Write the Chunk record and, after it, the Message Index records of its channels."""
         chunk, plain = self._chunk, b"".join(self._chunk.parts)
-        start, end = chunk.span()
         packed = self._compressed(plain)
         # The checksum covers the uncompressed records, so it also finds faults of the compression.
         crc = zlib.crc32(plain)
-        record = _serialized(records.Chunk(self._compression, packed, end, start, crc, len(plain)))
+        record = _serialized(records.Chunk(self._compression, packed, chunk.latest, chunk.earliest, crc, len(plain)))
         offsets: dict[int, int] = {}
         parts, place = [record], self.size + len(record)
         for channel, column in chunk.index.items():
@@ -318,8 +319,8 @@ class McapFile:
         index = records.ChunkIndex(
             chunk_start_offset=self.size,
             chunk_length=len(record),
-            message_start_time=start,
-            message_end_time=end,
+            message_start_time=chunk.earliest,
+            message_end_time=chunk.latest,
             message_index_offsets=offsets,
             message_index_length=place - self.size - len(record),
             compression=self._compression,

@@ -123,28 +123,28 @@ class QueuedFile:
         if self.waiting_messages > self.limit * _MUCH:
             self.wake()
 
-    def take(self) -> bool:
+    def take(self) -> int:
         """Write the waiting messages to the file. If the file is then large enough, begin the next part.
 
-        Return true if some of them had come one by one, and not in blocks.
+        Return how many of them had come one by one, and not in blocks.
         """
         self.sources()
         # Only as many as wait now: a fast producer must not keep this loop going forever.
         count = len(self.waiting)
         if not count:
-            return False
+            return 0
         # Before the messages leave the queue: if the disk is full, `give_up` counts those that are in it.
         while self._declared < len(self.channels):
             self.file.add_channel(self.channels[self._declared])
             self._declared += 1
-        taken, one_by_one = [self._next_waiting() for _ in range(count)], False
+        taken, one_by_one = [self._next_waiting() for _ in range(count)], 0
         for is_block, run in groupby(taken, lambda entry: isinstance(entry, _WaitingBlock)):
             entries = [*run]
             if is_block:
                 for block, publish_time in entries:
                     self.file.add_block(block, self._clock.start, publish_time)
             else:
-                one_by_one = True
+                one_by_one += len(entries)
                 self.file.add(entries if self._sort is None else map(self._sort, entries))
         if self._settings.rotate_bytes is not None and self.file.size >= self._settings.rotate_bytes:
             self.finish()

@@ -34,7 +34,8 @@ _FOREVER = {"sec": 9_223_372_036, "nsec": 854_775_807}
 _WAKE_S = 0.05
 """Time between two rounds in seconds: short, so that one round holds the interpreter lock only briefly."""
 _CALM_S = 0.25
-"""The same while all messages come in blocks of the native core, for which a round hardly needs the lock."""
+"""The same while most messages come in blocks of the native core, for which a round hardly needs the lock."""
+_FEW = 100  # messages that do not
 _FLUSH_S = 0.5  # interval of flushes: a kill loses messages of this time, plus those being written
 _NEARLY_FULL_S = 300.0  # time until the disk is full, at the current rate, below which a warning is logged
 
@@ -169,7 +170,7 @@ class Recorder:
         try:
             pause = _CALM_S
             while self._thread.wait(pause):
-                pause = _WAKE_S if self._write_waiting() else _CALM_S
+                pause = _WAKE_S if self._write_waiting() > _FEW else _CALM_S
             self._take()
             for queued in self._files:
                 queued.finish()
@@ -190,10 +191,10 @@ class Recorder:
             queued.delete()
         self._logger.info("nothing was recorded, so %s was not kept", self.path)
 
-    def _take(self) -> bool:
+    def _take(self) -> int:
         """Write the messages that wait; before, write down if the computer's clock was set.
 
-        Return true if messages have come one by one.
+        Return how many of them had come one by one, and not in blocks.
         """
         if jump := self._clock.jump():
             self._logger.warning(
@@ -201,10 +202,9 @@ class Recorder:
             )
             for queued in self._files:
                 queued.jumped(jump)
-        one_by_one = [queued.take() for queued in self._files]
-        return any(one_by_one)
+        return sum(queued.take() for queued in self._files)
 
-    def _write_waiting(self) -> bool:
+    def _write_waiting(self) -> int:
         one_by_one = self._take()
         now = time.monotonic()
         if now >= self._next_flush:
