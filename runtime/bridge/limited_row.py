@@ -47,6 +47,7 @@ class Pacer(ctypes.Structure):
         """Let at most ``rate`` messages a second pass."""
         super().__init__(1 / rate)
         self._kept = b""
+        self._expects = False
         self._lock = threading.Lock()
 
     def lend(self, lock: int | None) -> int:
@@ -57,8 +58,11 @@ class Pacer(ctypes.Structure):
 
     @property
     def next_slot(self) -> float | None:
-        """Time at which the waiting message may pass; None if no message waits."""
-        return self.slot if self.waits else None
+        """Time at which the waiting message may pass; None if no message waits.
+
+        After a message that has waited, it is the time of the next one, too, which will mostly come to wait.
+        """
+        return self.slot if self.waits or self._expects else None
 
     def offer(self, messages: Sequence[bytes], now: float) -> tuple[Sequence[bytes], int]:
         """Return the newest message in a sequence if it may pass now; otherwise it waits for `take`.
@@ -77,9 +81,11 @@ class Pacer(ctypes.Structure):
     def take(self, now: float) -> bytes | None:
         """Return the waiting message if it may pass now; None if it must still wait, or if no message waits."""
         with self._lock:
-            if now < self.slot or not self.waits:
+            if now < self.slot:
                 return None
-            self.slot = now + self.interval
+            self._expects = bool(self.waits)
+            if self._expects:
+                self.slot = now + self.interval
             return self._withdrawn()
 
     def withdraw(self) -> bytes | None:

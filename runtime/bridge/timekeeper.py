@@ -36,14 +36,16 @@ class Timekeeper:
         If a task raises an error, ``fail`` is called with the error.
         """
         self._tasks, self._fail = tasks, fail
+        self._looks_at = math.inf  # while it looks, each call of `wake` makes it look again
         self._thread = AlarmedThread(name, self._run)
 
     def wake(self) -> None:
-        """Wake the thread, so that it asks all tasks again when they are due.
+        """Wake the thread if a task is due before it looks again. Call this when a task is due earlier than before."""
+        if self._first_due() < self._looks_at:
+            self._thread.wake()
 
-        Call this when a task is due earlier than before.
-        """
-        self._thread.wake()
+    def _first_due(self) -> float:
+        return min((task.next_due for task in self._tasks), default=math.inf)
 
     def __enter__(self) -> Timekeeper:
         if self._tasks:
@@ -57,12 +59,14 @@ class Timekeeper:
         try:
             wait_s = 0.0
             while self._thread.wait(wait_s):
+                self._looks_at = math.inf
                 now, first = time.monotonic(), math.inf
                 for task in self._tasks:
                     if (due := task.next_due) <= now:
                         task.run_due(now)
                         due = task.next_due
                     first = min(first, due)
+                self._looks_at = first
                 wait_s = max(0.0, first - time.monotonic())
         except BaseException as failure:  # noqa: BLE001  # `run` of the bridge raises it
             self._fail(failure)
