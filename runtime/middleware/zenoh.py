@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import logging
 import queue
@@ -269,6 +270,13 @@ class ZenohMiddleware(Middleware):
         self._arrived.set()
         self._jobs.put(None)
         if has_ended(self._thread) and has_ended(self._services):
+            # Zenoh waits 10 s for a link whose other end does not read.
+            closing = threading.Thread(target=self._close_session, name="zenoh-close", daemon=True)
+            closing.start()
+            has_ended(closing)
+
+    def _close_session(self) -> None:
+        with contextlib.suppress(zenoh.ZError):  # it has waited in vain
             self._session.close()
 
     def _topic(self, kind: str, topic: str, message_type: type[Message], qos: Qos) -> Entity:

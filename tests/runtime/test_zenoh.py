@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import signal
 import socket
 import struct
 import time
@@ -423,3 +424,22 @@ def test_services_are_exchanged_with_a_stranger(join: Open, sdk: Any) -> None:
     assert cdr.decode(rcl.GetParameterTypesResponse, answers[0]).types == b"\2"
     client.close()
     server.close()
+
+
+@pytest.mark.slow
+def test_one_basestation_sees_a_fleet(start: Start, done: Start, environment: dict[str, str]) -> None:
+    """Two rovers in their namespaces, and a program that shows both, find each other through the command's router."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    environment["ROS_DISTRO"] = "jazzy"
+    environment["ZENOH_CONFIG_OVERRIDE"] = f'connect/endpoints=["{endpoint}"]'
+    router = start("zenoh-router", "--listen", endpoint)
+    router.wait_for("runs")
+    for rover in ("rover1", "rover2"):
+        ports = ("-p", "listen_port:=0", "-p", "listen_address:='127.0.0.1'")
+        start("run", "--middleware", "zenoh", "--ros-args", "-r", f"__ns:=/{rover}", *ports).wait_for("on UDP port ")
+    _, output, errors = done("top", "--once", "--json", "--middleware", "zenoh")  # type: ignore[misc]
+    assert all(f"/{rover}/udp_forwarder" in output for rover in ("rover1", "rover2")), errors
+    router.send_signal(signal.SIGINT)
+    assert router.end() == 0
