@@ -8,6 +8,8 @@ network namespace of their own, so that its loopback interface counts their traf
 
 import argparse
 import contextlib
+import itertools
+import json
 import multiprocessing
 import os
 import subprocess
@@ -33,7 +35,18 @@ from roverlink.runtime.middleware import NodeIdentity, open_middleware
 HERTZ = 20.0
 IDLE_S, WARM_UP_S, SETTLE_S, PATIENCE_S = 5.0, 1.0, 2.0, 120.0
 _INSIDE = "ROVERLINK_BENCH_FLEET"
-_COLUMNS = ("", "rovers", "all found, s", "to find, MB", "idle, kB/s", "messages/s", "lost", "CPU %: base", "router")
+_COLUMNS = (
+    "",
+    "rovers",
+    "all found, s",
+    "to find, MB",
+    "idle, kB/s",
+    "messages/s",
+    "lost",
+    "CPU %: base",
+    "router",
+    "a rover",
+)
 _FORK = multiprocessing.get_context("fork")  # so that the processes share the memory of what they import
 _CYCLONE = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo" multicast="true"/></Interfaces></General>'
@@ -52,7 +65,7 @@ class Fleet(NamedTuple):
 
 
 def _rover(number: int, middleware: str, fleet: Fleet) -> None:
-    """Be one rover: join, say when all topics have a subscriber, publish, and tell the count and the CPU seconds."""
+    """Be a rover: join, say when all topics have a subscriber, publish, and tell the count and the CPU seconds."""
     registry = load_project(ROOT)
     node = NodeIdentity(NODE, f"/rover{number}")
     fleet.join.wait()
@@ -78,7 +91,15 @@ def _rover(number: int, middleware: str, fleet: Fleet) -> None:
 
 
 def _measure(middleware: str, rovers: int, seconds: float) -> Sequence[str]:
-    """Run one fleet, and return a row of the table."""
+    """Run one fleet in this network namespace, and return a row of the table."""
+    subprocess.run(["ip", "link", "set", "lo", "up", "multicast", "on"], check=True)  # noqa: S607
+    subprocess.run(["ip", "route", "add", "224.0.0.0/4", "dev", "lo"], check=True)  # noqa: S607
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    os.environ |= {
+        "CYCLONEDDS_URI": _CYCLONE,
+        "ROS_DISTRO": "jazzy",
+        "ZENOH_CONFIG_OVERRIDE": f'mode="client";connect/endpoints=["{endpoint}"]',
+    }
     fleet = Fleet(_FORK.Event(), _FORK.Event(), _FORK.Event(), _FORK.Semaphore(0), _FORK.Queue())
     processes = [_FORK.Process(target=_rover, args=(one, middleware, fleet), daemon=True) for one in range(rovers)]
     for process in processes:
@@ -87,7 +108,7 @@ def _measure(middleware: str, rovers: int, seconds: float) -> Sequence[str]:
     with contextlib.ExitStack() as stack:
         for process in processes:
             stack.callback(process.kill)
-        router = stack.enter_context(_router()) if middleware == "zenoh" else 0
+        router = stack.enter_context(_router(endpoint)) if middleware == "zenoh" else 0
         began, bytes_before = time.monotonic(), _loopback_bytes()
         fleet.join.set()
         base = stack.enter_context(open_middleware(middleware, NodeIdentity("basestation")))
@@ -97,7 +118,7 @@ def _measure(middleware: str, rovers: int, seconds: float) -> Sequence[str]:
                 base.subscribe(topic, handler.message_type, handler.route.qos, partial(_count, counts, topic))
         for _ in processes:
             if not fleet.heard.acquire(timeout=PATIENCE_S):
-                return (middleware, str(rovers), f"not after {PATIENCE_S:.0f}", *["-"] * 6)
+                return (middleware, str(rovers), f"not after {PATIENCE_S:.0f}", *["-"] * 7)
         found_s, found_bytes = time.monotonic() - began, _loopback_bytes() - bytes_before
         time.sleep(WARM_UP_S)
         idle_from = _loopback_bytes()
@@ -130,9 +151,9 @@ def _count(counts: Counter[str], topic: str, messages: Sequence[bytes]) -> None:
 
 
 @contextlib.contextmanager
-def _router() -> Iterator[int]:
-    """Run a router, and let the nodes of all processes find it; yield its process id."""
-    command = [sys.executable, "-m", "roverlink", "zenoh-router", "--listen", os.environ["ROVERLINK_BENCH_ROUTER"]]
+def _router(endpoint: str) -> Iterator[int]:
+    """Run a router, and yield its process id."""
+    command = [sys.executable, "-m", "roverlink", "zenoh-router", "--listen", endpoint]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as router:  # noqa: S603  # our own program
         cast(IO[str], router.stderr).readline()  # it runs
         try:
@@ -158,23 +179,18 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--middleware", nargs="+", default=["zenoh", "dds"], choices=("zenoh", "dds"))
     parser.add_argument("--seconds", type=float, default=10.0, metavar="S")
     options = parser.parse_args(words)
-    if _INSIDE not in os.environ:
-        os.environ[_INSIDE] = "1"
-        inside = ["unshare", "--map-root-user", "--net", sys.executable, "-m", "bench.fleet", *words]
-        os.execvp("unshare", inside)  # noqa: S606, S607  # our own program
-    subprocess.run(["ip", "link", "set", "lo", "up", "multicast", "on"], check=True)  # noqa: S607
-    subprocess.run(["ip", "route", "add", "224.0.0.0/4", "dev", "lo"], check=True)  # noqa: S607
-    endpoint = f"tcp/127.0.0.1:{free_port()}"
-    os.environ |= {
-        "CYCLONEDDS_URI": _CYCLONE,
-        "ROS_DISTRO": "jazzy",
-        "ROVERLINK_BENCH_ROUTER": endpoint,
-        "ZENOH_CONFIG_OVERRIDE": f'mode="client";connect/endpoints=["{endpoint}"]',
-    }
-    table = Table(*_COLUMNS, "a rover")
-    for middleware in options.middleware:
-        for rovers in options.rovers:
-            table.add_row(*_measure(middleware, rovers, options.seconds))
+    if _INSIDE in os.environ:
+        print(json.dumps(_measure(*options.middleware, *options.rovers, options.seconds)))
+        return 0
+    os.environ[_INSIDE] = "1"
+    table = Table(*_COLUMNS)
+    for middleware, rovers in itertools.product(options.middleware, map(str, options.rovers)):
+        # Each fleet needs a process of its own, because a process with the threads of zenoh must not fork.
+        own = ("--middleware", middleware, "--rovers", rovers, "--seconds", str(options.seconds))
+        command = ["unshare", "--map-root-user", "--net", sys.executable, "-m", "bench.fleet", *own]
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)  # noqa: S603  # our own program
+        table.add_row(*json.loads(done.stdout))
+        print(done.stdout, end="", file=sys.stderr, flush=True)  # the largest fleet takes long
     Console(width=140).print(table)
     return 0
 

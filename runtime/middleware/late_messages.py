@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-LATE_NS = 500_000_000  # about when a deadman speaks
+LATE_NS = 1_000_000_000  # a computer with too much work delays messages by less
 _PERIOD_NS = 30_000_000_000  # a difference that lasts longer is one of the clocks
 
 

@@ -55,6 +55,7 @@ from roverlink.runtime.middleware.zenoh_keys import (
 _HEARTBEAT_S = 0.5  # as in rmw_zenoh
 _KEPT_TO_READ = 256  # smallest number of messages that wait for our thread, as in `dds_types`
 _WARN_S = 2.0
+_NAMED = 3  # topics in a warning
 _SERVICES_DEPTH = 1000  # rmw_qos_profile_parameters
 
 _Later = Callable[[Callable[[], None]], None]
@@ -85,16 +86,17 @@ class ZenohSubscription:
     ) -> None:
         depth = None if qos.history == "keep_all" else qos.depth if exact_depth else max(qos.depth, _KEPT_TO_READ)
         self.waiting: deque[bytes] = deque(maxlen=depth)
-        self._topic, self._wake, self.has_publishers = topic, wake, has_publishers
+        self.topic, self._wake, self.has_publishers = topic, wake, has_publishers
         # What was published before the subscription began is wanted, and old.
         self._delays = None if qos.durability == "transient_local" else defaultdict[bytes, Delay](Delay)
-        self._late, self._warn_at = 0, 0.0
+        self.late = 0
+        """Number of messages that were dropped because they were late, since the last warning."""
         self.close: Callable[[], None] = lambda: None
 
     def put(self, sample: Any) -> None:
         """Let a message wait, unless it is late. Called by zenoh's threads."""
         if self._is_late(sample.attachment):
-            self._late += 1
+            self.late += 1
         else:
             self.waiting.append(sample.payload.to_bytes())
         self._wake()
@@ -102,14 +104,6 @@ class ZenohSubscription:
     def take(self, most: int) -> list[bytes]:
         """Take at most ``most`` messages, the oldest first."""
         return [self.waiting.popleft() for _ in range(min(most, len(self.waiting)))]
-
-    def warn(self) -> None:
-        """Log how many messages were late, at most every two seconds."""
-        if self._late and time.monotonic() > self._warn_at:
-            late, self._late, self._warn_at = self._late, 0, time.monotonic() + _WARN_S
-            logging.getLogger("roverlink").warning(
-                "%s: dropped %d messages that came more than half a second late", self._topic, late
-            )
 
     def _is_late(self, data: Any) -> bool:
         attachment = None if data is None or self._delays is None else Attachment.unpacked(data.to_bytes())
@@ -314,18 +308,33 @@ class ZenohMiddleware(Middleware):
             self._topics = tuple(sorted(topics, key=lambda one: one[1].priority, reverse=True))
 
     def _take_until_stopped(self) -> None:
+        warn_at = 0.0
         while self._open:
             self._arrived.wait()
             self._arrived.clear()
             topics = self._topics
             while self._open and (ready := [topic for subscription, topic in topics if subscription.waiting]):
                 serve([topic for _, topic in topics], ready)
-            for subscription, _ in topics:
-                subscription.warn()
+            if time.monotonic() > warn_at and _warn_of_late([subscription for subscription, _ in topics]):
+                warn_at = time.monotonic() + _WARN_S
 
     def _serve_services(self) -> None:
         while (job := self._jobs.get()) is not None:
             job()
+
+
+def _warn_of_late(subscriptions: Sequence[ZenohSubscription]) -> bool:
+    """Log the topics whose messages were dropped as late; return false if there are none."""
+    late = {subscription.topic: subscription.late for subscription in subscriptions if subscription.late}
+    if late:
+        logging.getLogger("roverlink").warning(
+            "dropped %d messages that came more than a second late, on %s",
+            sum(late.values()),
+            ", ".join([*late][:_NAMED]) + (f" and {len(late) - _NAMED} other topics" if len(late) > _NAMED else ""),
+        )
+    for subscription in subscriptions:
+        subscription.late -= late.get(subscription.topic, 0)
+    return bool(late)
 
 
 def _directly(function: Callable[[Any], None]) -> Any:

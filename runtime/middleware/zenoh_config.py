@@ -21,6 +21,8 @@ ROUTER_ENDPOINT = "tcp/[::]:7447"
 _RETRY = {"period_init_ms": 500, "period_max_ms": 1000, "period_increase_factor": 2}
 _COMMON: Mapping[str, object] = {
     "connect/retry": _RETRY,
+    "connect/timeout_ms": {"router": -1, "peer": -1, "client": 10_000},
+    "connect/exit_on_failure": {"router": False, "peer": False, "client": True},
     "scouting/multicast/enabled": False,
     "scouting/gossip/enabled": True,
     "timestamping/enabled": True,  # latched topics need it
