@@ -180,7 +180,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--seconds", type=float, default=10.0, metavar="S")
     options = parser.parse_args(words)
     if _INSIDE in os.environ:
-        print(json.dumps(_measure(*options.middleware, *options.rovers, options.seconds)))
+        print(json.dumps(_measure(options.middleware[0], options.rovers[0], options.seconds)))
         return 0
     os.environ[_INSIDE] = "1"
     table = Table(*_COLUMNS)

@@ -48,7 +48,7 @@ def open_session() -> Any:
         logging.getLogger("roverlink").warning(
             "no zenoh router answers at %s, and nodes cannot find each other without one: start it with `roverlink "
             "zenoh-router` or `ros2 run rmw_zenoh_cpp rmw_zenohd`",
-            _endpoints(config),
+            ", ".join(map(str, json.loads(config.get_json("connect/endpoints")) or ["any address"])),
         )
     return session
 
@@ -87,15 +87,7 @@ def _open(config: Any) -> Any:
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        raise MiddlewareError(
-            f"zenoh cannot open a session (connect {_endpoints(config)}, listen {_endpoints(config, 'listen')}): "
-            f"{_reason(error)}"
-        ) from error
-
-
-def _endpoints(config: Any, way: str = "connect") -> str:
-    found: object = json.loads(config.get_json(f"{way}/endpoints"))
-    return ", ".join(map(str, found)) if isinstance(found, list) else str(found)
+        raise MiddlewareError(f"zenoh cannot open a session: {_reason(error)}") from error
 
 
 def _reason(error: Exception) -> str:

@@ -340,7 +340,7 @@ def test_the_configuration_is_zenohs_own(
         ('mode="rover"', "zenoh refuses ZENOH_CONFIG_OVERRIDE"),
         (
             'connect/timeout_ms=0;connect/endpoints=["tcp/127.0.0.1:1"]',
-            "zenoh cannot open a session (connect tcp/127.0.0.1:1",
+            "zenoh cannot open a session: Unable to connect to any of [Single(tcp/127.0.0.1:1)]",
         ),
     ):
         monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", override)
