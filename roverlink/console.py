@@ -139,7 +139,9 @@ def add_table(parser: argparse.ArgumentParser) -> None:
 
 MIDDLEWARES_HELP = (
     "software that connects to ROS 2. dds: Cyclone DDS, which needs no installed ROS 2; rclpy: the installed ROS 2; "
-    "memory: topics only inside this process, without ROS 2; auto: rclpy if Python can import it, else dds"
+    "zenoh: nodes of rmw_zenoh_cpp, through a router and without an installed ROS 2; memory: topics only inside this "
+    "process, without ROS 2; auto: rclpy if Python can import it, else zenoh if RMW_IMPLEMENTATION=rmw_zenoh_cpp, "
+    "else dds"
 )
 
 

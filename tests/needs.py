@@ -14,6 +14,8 @@ from roverlink.runtime.native.core import LIBRARY
 SLOW = "slow (make test-all)"
 EXHAUSTIVE = "exhaustive (make exhaustive)"
 NO_DDS = "need Cyclone DDS (no wheel for this machine)"
+NO_ZENOH = "need zenoh (make test-all)"
+NO_ZENOH_JUDGES = "need zenoh-ros2-sdk and pamoja-ros2 (make test-all)"
 NO_CAN = "need python-can, can-isotp and msgpack (make test-all)"
 NO_OPENCV = "need OpenCV (make test-all)"
 NO_SCIPY = "need SciPy (make test-all)"

@@ -205,6 +205,8 @@ class Bridge:
             for row, subscription in zip(self._outbound_rows, subscriptions)
         ]
         routes = {self._topic(handler.route.topic): handler.route for handler in handlers}
+        if self._middleware.passes_any_qos:
+            routes = {}
         qos_watch = QosWatch(routes, self._middleware.endpoints, self._account, self._counters.warnings)
         network_watch = NetworkWatch(self._middleware.address_changes, self._account, self._counters.warnings)
         looks: list[TimedTask] = [*filter(None, watches), qos_watch, network_watch]

@@ -1,4 +1,4 @@
-"""Middlewares: the possible connections to ROS 2, which are rclpy, DDS without a ROS installation, and memory.
+"""Middlewares: the possible connections to ROS 2: rclpy, DDS or zenoh without a ROS installation, and memory.
 
 All middlewares exchange serialized messages (CDR), so the bridge can use any of them.
 """
@@ -6,8 +6,11 @@ All middlewares exchange serialized messages (CDR), so the bridge can use any of
 from __future__ import annotations
 
 import importlib
+import os
 import platform
 import sys
+from collections.abc import Sequence
+from typing import Any
 
 from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.middleware import later_modules
@@ -38,21 +41,23 @@ __all__ = [
     "Subscription",
     "can_import",
     "open_middleware",
+    "open_zenoh_router",
 ]
 
-NAMES = ("auto", "dds", "rclpy", "memory")
+NAMES = ("auto", "dds", "rclpy", "zenoh", "memory")
 
 
 def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | None = None) -> Middleware:
-    """Connect to ROS 2 as a node; ``name`` is ``dds``, ``rclpy``, ``memory``, or ``auto``.
+    """Connect to ROS 2 as a node; ``name`` is ``dds``, ``rclpy``, ``zenoh``, ``memory``, or ``auto``.
 
-    ``auto`` selects rclpy if it can be imported, else dds. ``memory`` connects only parts of this process.
-    ``parameters`` are the parameters of the node, which ROS 2 tools can then read and change. Raises `MiddlewareError`
-    if a package is missing; the message says how to install it.
+    ``auto`` selects rclpy if it can be imported, else zenoh if ``RMW_IMPLEMENTATION`` asks for it, else dds. ``memory``
+    connects only parts of this process. ``parameters`` are the parameters of the node, which ROS 2 tools can then read
+    and change. Raises `MiddlewareError` if a package is missing; the message says how to install it.
     """
     if name == "auto":
-        name = "rclpy" if can_import("rclpy") else "dds"
-    # Imports are inside the branches: rclpy and Cyclone DDS are optional and slow to import.
+        wanted = "zenoh" if os.environ.get("RMW_IMPLEMENTATION") == "rmw_zenoh_cpp" else "dds"
+        name = "rclpy" if can_import("rclpy") else wanted
+    # Imports are inside the branches: rclpy, Cyclone DDS and zenoh are optional and slow to import.
     if name == "memory":
         from roverlink.runtime.middleware.memory import MemoryMiddleware
 
@@ -61,6 +66,9 @@ def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | 
         return _open_rclpy(node, parameters)
     if name == "dds":
         return _open_dds(node, parameters)
+    if name == "zenoh":
+        opened: Middleware = _with_zenoh("zenoh").ZenohMiddleware(node, parameters)
+        return opened
     raise MiddlewareError(f"unknown middleware {name!r} (known: {', '.join(NAMES)})")
 
 
@@ -108,3 +116,22 @@ def _open_dds(node: NodeIdentity, parameters: NodeParameters | None) -> Middlewa
             )
         ) from error
     return DdsMiddleware(node, parameters)
+
+
+def open_zenoh_router(endpoints: Sequence[str]) -> Any:
+    """Open a router of zenoh, a context manager, that listens on ``endpoints``; if empty, on the configured ones.
+
+    Raises `MiddlewareError` if zenoh is missing, or if the router cannot listen.
+    """
+    return _with_zenoh("zenoh_config").open_router(endpoints)
+
+
+def _with_zenoh(module: str) -> Any:
+    """Import a module of this package that needs zenoh."""
+    try:
+        return importlib.import_module(f"{__name__}.{module}")
+    except ImportError as error:
+        raise MiddlewareError(
+            f"zenoh cannot be imported ({error}); install it with `pip install eclipse-zenoh xxhash`, or install "
+            "roverlink with the extra 'zenoh'"
+        ) from error

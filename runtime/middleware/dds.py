@@ -26,13 +26,10 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from roverlink.runtime.core import cdr
 from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.core.handler import Qos, RowService
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.tap import Tap
-from roverlink.runtime.interfaces import Time
-from roverlink.runtime.interfaces.rcl_interfaces import Parameter, ParameterEvent
 from roverlink.runtime.middleware.cyclone import (
     EVERYTHING,
     MatchedReaders,
@@ -47,7 +44,7 @@ from roverlink.runtime.middleware.dds_services import DdsClient, DdsServices
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
 from roverlink.runtime.middleware.joined_addresses import JoinedAddresses, is_local
-from roverlink.runtime.middleware.parameter_services import ParameterServices
+from roverlink.runtime.middleware.parameter_services import ParameterServices, parameter_events
 from roverlink.runtime.middleware.protocol import (
     Callback,
     Endpoint,
@@ -80,7 +77,6 @@ _WITHOUT_FAST_TYPES = (
     "<CycloneDDS><Domain><Compatibility><IgnoreTypeInformation>1.15</IgnoreTypeInformation></Compatibility></Domain>"
     "</CycloneDDS>"
 )
-_PARAMETER_EVENTS = Qos(depth=1000)  # rmw_qos_profile_parameter_events
 _RMW, _CYCLONE = "RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"
 _LEAVE_S = 0.3  # time for subscribers to acknowledge the last messages
 
@@ -162,7 +158,7 @@ class DdsMiddleware(Middleware):
         self._parameters: NodeParameters | ParameterServices | None = parameters
         # A Fast DDS client would see the services, but wait forever for a response (module `dds_services`).
         if parameters is not None and os.environ.get(_RMW) == _CYCLONE:
-            self._parameters = ParameterServices(parameters, self._parameter_events(node))
+            self._parameters = ParameterServices(parameters, parameter_events(self, node))
             self._opened_services().answer(node.full_name, self._parameters.services())
         self._open = True
         self._thread = threading.Thread(target=self._take_until_stopped, name="dds-take", daemon=True)
@@ -276,16 +272,6 @@ class DdsMiddleware(Middleware):
         for publisher in self._publishers:
             publisher.leave(max(0.0, deadline - time.monotonic()))
         _leave(self._participant, self._domain_id)
-
-    def _parameter_events(self, node: NodeIdentity) -> Callable[[Sequence[Parameter]], None]:
-        """Return a function that publishes changed parameters of the node, as every ROS 2 node does."""
-        events = self.publisher("/parameter_events", ParameterEvent, _PARAMETER_EVENTS)
-
-        def publish(changed: Sequence[Parameter]) -> None:
-            stamp = Time.since_1970(time.time_ns())
-            events.publish([cdr.encode(ParameterEvent(stamp, node.full_name, changed_parameters=list(changed)))])
-
-        return publish
 
     @cached_property
     def _graph(self) -> DdsGraph:

@@ -23,7 +23,8 @@ from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.middleware.cyclone import RawReader
-from roverlink.runtime.middleware.dds_types import dds_qos, ros_type_name
+from roverlink.runtime.middleware.dds_names import ros_type_name
+from roverlink.runtime.middleware.dds_types import dds_qos
 from roverlink.runtime.middleware.protocol import Endpoint, NodeIdentity
 
 _TAKE = 256  # most samples taken at a time

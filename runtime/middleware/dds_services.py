@@ -11,7 +11,6 @@ therefore never gets a response.
 from __future__ import annotations
 
 import itertools
-import logging
 import secrets
 import threading
 import time
@@ -29,13 +28,12 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Int64, Message, UInt64
 from roverlink.runtime.middleware.cyclone import EVERYTHING, RawReader, RawWriter
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
-from roverlink.runtime.middleware.parameter_services import Service
+from roverlink.runtime.middleware.parameter_services import Service, answering
 from roverlink.runtime.middleware.protocol import Respond
 
 _QOS = Qos(depth=1000)  # rmw_qos_profile_parameters
@@ -79,7 +77,7 @@ class DdsServices:
     def answer(self, node: str, services: Sequence[Service]) -> None:
         """Offer services below ``node``, the fully qualified name of the node: ``/rover/bridge/get_parameters``."""
         for service in services:
-            self.offer(f"{node}/{service.name}", service.request, service.response, _answering(service))
+            self.offer(f"{node}/{service.name}", service.request, service.response, answering(service))
 
     def offer(
         self,
@@ -119,20 +117,6 @@ class DdsServices:
                 end.take()
             while self._responses:
                 self._responses.popleft()()
-
-
-def _answering(service: Service) -> Callable[[bytes, Respond], None]:
-    """Return the function that answers serialized requests of a service that has its answers at once."""
-
-    def answer(data: bytes, respond: Respond) -> None:
-        try:
-            request = cdr.decode(service.request, data)
-        except ConversionError as error:
-            logging.getLogger("roverlink").warning("request to %s ignored: %s", service.name, error)
-        else:
-            respond(cdr.encode(service.answer(request)))
-
-    return answer
 
 
 class _Endpoints:

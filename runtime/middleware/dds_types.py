@@ -29,6 +29,7 @@ from roverlink.runtime.core.messages import (
     messages_in,
 )
 from roverlink.runtime.middleware.cyclone import COMPILER, DescribedType, WriterBatching, describe
+from roverlink.runtime.middleware.dds_names import dds_type_name
 from roverlink.user_cache import CacheFile
 
 _MAX_BLOCKING = 0  # ns that a reliable write may block for slow readers; a blocked bridge loses datagrams
@@ -94,11 +95,6 @@ _array: Any = types.array.__class_getitem__
 _bounded_text: Any = types.bounded_str.__class_getitem__
 
 
-def ros_type_name(dds_name: str) -> str:
-    """Return the ROS name of a DDS type: ``comms::msg::dds_::Imu_`` -> ``comms/msg/Imu``."""
-    return dds_name.replace("::dds_::", "::").replace("::", "/").removesuffix("_")
-
-
 @cached_by_type
 def dds_type(message_type: type[Message]) -> type[DescribedType]:
     """Return the DDS type of a ROS 2 message for a topic: ``comms/msg/Imu`` -> ``comms::msg::dds_::Imu_``."""
@@ -127,10 +123,9 @@ def idl_struct(message_type: type[Message]) -> type[IdlStruct]:
 
 def _declaration(message_type: type[Message]) -> tuple[str, str, dict[str, Any]]:
     """Return the class name, DDS type name and fields of a message's DDS type, following ROS 2's IDL."""
-    package, kind, name = message_type.__msgtype__.split("/")
+    name = dds_type_name(message_type.__msgtype__).replace("::", ".")
     fields = {field.name: _field_type(field.type) for field in fields_of(message_type)}
-    # ROS 2's IDL puts each type in a module `dds_`, and adds an underscore: comms::msg::dds_::Imu_.
-    return f"{name}_", f"{package}.{kind}.dds_.{name}_", fields or {"structure_needs_at_least_one_member": types.uint8}
+    return name.rpartition(".")[2], name, fields or {"structure_needs_at_least_one_member": types.uint8}
 
 
 def _field_type(field_type: FieldType) -> Any:

@@ -5,14 +5,20 @@ The services answer as rclpy's node does: a request that names an unknown parame
 
 from __future__ import annotations
 
+import logging
+import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core import cdr
+from roverlink.runtime.core.errors import ConversionError, SetupError
+from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
+from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces import rcl_interfaces as rcl
-from roverlink.runtime.middleware.protocol import NodeParameters
+from roverlink.runtime.middleware.protocol import Middleware, NodeIdentity, NodeParameters, Respond
 
+_EVENTS = Qos(depth=1000)  # rmw_qos_profile_parameter_events
 _VALUE_FIELDS = {
     rcl.ParameterValue.BOOL: "bool_value",
     rcl.ParameterValue.INTEGER: "integer_value",
@@ -97,6 +103,31 @@ class ParameterServices:
         except SetupError as error:
             return rcl.SetParametersResult(successful=False, reason=str(error))
         return rcl.SetParametersResult(successful=True)
+
+
+def answering(service: Service) -> Callable[[bytes, Respond], None]:
+    """Return the function that answers serialized requests of a service that has its answers at once."""
+
+    def answer(data: bytes, respond: Respond) -> None:
+        try:
+            request = cdr.decode(service.request, data)
+        except ConversionError as error:
+            logging.getLogger("roverlink").warning("request to %s ignored: %s", service.name, error)
+        else:
+            respond(cdr.encode(service.answer(request)))
+
+    return answer
+
+
+def parameter_events(middleware: Middleware, node: NodeIdentity) -> Callable[[Sequence[rcl.Parameter]], None]:
+    """Return a function that publishes changed parameters of a node, as every ROS 2 node does."""
+    events = middleware.publisher("/parameter_events", rcl.ParameterEvent, _EVENTS)
+
+    def publish(changed: Sequence[rcl.Parameter]) -> None:
+        stamp = Time.since_1970(time.time_ns())
+        events.publish([cdr.encode(rcl.ParameterEvent(stamp, node.full_name, changed_parameters=list(changed)))])
+
+    return publish
 
 
 def _is_listed(name: str, request: rcl.ListParametersRequest) -> bool:

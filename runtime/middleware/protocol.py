@@ -122,6 +122,9 @@ class ServiceClient(Protocol):
 class Middleware(Protocol):
     """Connection to the ROS 2 graph as one node. A context manager: on exit the node leaves the graph."""
 
+    passes_any_qos: bool = False
+    """True if messages pass between a publisher and a subscription whose QoS does not match, as over zenoh."""
+
     # Some middlewares need the argument.
     def check_types(self, message_types: Iterable[type[Message]]) -> None:  # noqa: ARG002
         """Raise `MiddlewareError` if ROS 2 lacks a message type, or has one with other fields.

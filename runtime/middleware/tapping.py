@@ -40,6 +40,7 @@ class TappedMiddleware(Middleware):
 
     def __init__(self, middleware: Middleware, listener: Listener) -> None:
         self._middleware, self._listener = middleware, listener
+        self.passes_any_qos = middleware.passes_any_qos
 
     def check_types(self, message_types: Iterable[type[Message]]) -> None:
         """Let the wrapped middleware check the message types."""

@@ -6,9 +6,11 @@ rosidl's own computation came with Iron; where a ROS 2 as new as that is sourced
 from __future__ import annotations
 
 import dataclasses
+import pkgutil
 import re
 from functools import cache
-from typing import Any
+from importlib import import_module
+from typing import Any, ClassVar
 
 import pytest
 from case_file import CaseFile
@@ -16,11 +18,15 @@ from golden import ROOT, compiled, passing_cases
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import get_types_from_msg
 
+import generated.messages
 from roverlink import standard_types
 from roverlink.generator.emit.type_hashes import type_hashes
 from roverlink.generator.ir.model import RosField, RosMessage, RosType
 from roverlink.generator.pipeline import Compiled, compile_table
+from roverlink.runtime import interfaces
 from roverlink.runtime.core.cdr import encode
+from roverlink.runtime.core.messages import Int64, Message
+from roverlink.runtime.core.type_hash import service_hash, type_hash
 
 # As ROS 2 itself shows them: in the keys of rmw_zenoh, in rosbag2's metadata, in generated code of other projects.
 _PUBLISHED = {
@@ -78,10 +84,41 @@ def test_an_independent_implementation_agrees(case: CaseFile | None) -> None:
     assert ours == {name: store.hash_rihs01(f"{package}/msg/{name}") for name in ours}
 
 
+def test_the_runtime_computes_the_same() -> None:
+    """The bridge, which has no generator, computes the hash of any class as the generator and rosbags have it."""
+    names = [f"{interfaces.__name__}.{one.name}" for one in pkgutil.iter_modules(interfaces.__path__)]
+    modules = [generated.messages, *map(import_module, names)]
+    known = {one for module in modules for one in vars(module).values() if getattr(one, "__typehash__", "")}
+    assert len(known) > 60
+    for one in known:
+        bare = type(one.__name__, (one,), {"__msgtype__": one.__msgtype__, "__typehash__": ""})
+        assert type_hash(bare) == one.__typehash__
+
+
+@dataclasses.dataclass
+class _Request(Message):
+    __msgtype__: ClassVar[str] = "example_interfaces/srv/AddTwoInts_Request"
+
+    a: Int64 = 0
+    b: Int64 = 0
+
+
+@dataclasses.dataclass
+class _Response(Message):
+    __msgtype__: ClassVar[str] = "example_interfaces/srv/AddTwoInts_Response"
+
+    sum: Int64 = 0
+
+
+def test_services_have_hashes() -> None:
+    """The hash of a service is that in the keys of rmw_zenoh's documentation."""
+    assert service_hash(_Request, _Response) == (
+        "RIHS01_e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a"
+    )
+
+
 def test_the_classes_have_the_hashes() -> None:
     """Each generated class of this project carries its own."""
-    import generated.messages
-
     classes = {name: getattr(generated.messages, name) for name in generated.messages.__all__}
     hashes = type_hashes(_own().bridge)
     assert {one.__msgtype__: one.__typehash__ for one in classes.values()} == {

@@ -57,7 +57,8 @@ def absent(monkeypatch: pytest.MonkeyPatch) -> Any:
         # Where there is no wheel of Cyclone DDS, as on the Jetson, the error says what works instead.
         ("dds", "aarch64", ["cyclonedds"], ["no wheel for aarch64", "--middleware rclpy"]),
         ("auto", "x86_64", ["cyclonedds", "rclpy"], ["pip install cyclonedds"]),
-        ("zenoh", "x86_64", [], ["unknown middleware 'zenoh' (known: auto, dds, rclpy, memory)"]),
+        ("zenoh", "x86_64", ["zenoh"], ["zenoh cannot be imported", "pip install eclipse-zenoh xxhash"]),
+        ("mqtt", "x86_64", [], ["unknown middleware 'mqtt' (known: auto, dds, rclpy, zenoh, memory)"]),
     ],
 )
 def test_a_middleware_that_is_not_there_is_told(

@@ -1,0 +1,95 @@
+"""Sessions of zenoh, configured as rmw_zenoh_cpp configures its own: by a file, and by single values on top of it."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import zenoh
+
+from roverlink.runtime.core.errors import MiddlewareError
+
+SESSION_FILE, ROUTER_FILE = "ZENOH_SESSION_CONFIG_URI", "ZENOH_ROUTER_CONFIG_URI"
+OVERRIDE = "ZENOH_CONFIG_OVERRIDE"
+ROUTER_ENDPOINT = "tcp/[::]:7447"
+# Reconnect within a second or two of the return of a link. rmw_zenoh waits up to 4 s, and ends a link that is silent
+# for a minute; zenoh's default is 10 s. What TCP has kept for an ended link is never delivered.
+_RETRY = {"period_init_ms": 500, "period_max_ms": 1000, "period_increase_factor": 2}
+_COMMON: Mapping[str, object] = {
+    "connect/retry": _RETRY,
+    "connect/timeout_ms": {"router": -1, "peer": -1, "client": 10_000},
+    "connect/exit_on_failure": {"router": False, "peer": False, "client": True},
+    "scouting/multicast/enabled": False,
+    "scouting/gossip/enabled": True,
+    "timestamping/enabled": True,  # latched topics need it
+    "transport/unicast/open_timeout": 2000,
+}
+_SESSION: Mapping[str, object] = {
+    "mode": "peer",
+    "connect/endpoints": ["tcp/localhost:7447"],
+    "listen/endpoints": ["tcp/localhost:0"],
+    "queries_default_timeout": 600_000,
+    **_COMMON,
+}
+_ROUTER: Mapping[str, object] = {"listen/endpoints": [ROUTER_ENDPOINT], "scouting/delay": 0, **_COMMON}
+_OVERRIDDEN = re.compile(r'\s*([\w/]+)=((?:"[^"]*"|[^";])*)(?:;|$)')
+"""One value of ``ZENOH_CONFIG_OVERRIDE``: ``mode="client";connect/endpoints=["tcp/10.0.0.5:7447"]``."""
+
+
+def open_session() -> Any:
+    """Open the session of a node. Raises `MiddlewareError` if this is not possible; warns if no router answers."""
+    config = _config(SESSION_FILE, _SESSION)
+    session = _open(config)
+    if not session.info.routers_zid():
+        logging.getLogger("roverlink").warning(
+            "no zenoh router answers at %s, and nodes cannot find each other without one: start it with `roverlink "
+            "zenoh-router` or `ros2 run rmw_zenoh_cpp rmw_zenohd`",
+            ", ".join(map(str, json.loads(config.get_json("connect/endpoints")) or ["any address"])),
+        )
+    return session
+
+
+def open_router(endpoints: Sequence[str]) -> Any:
+    """Open a session that is a router. Raises `MiddlewareError` if it cannot listen on the endpoints."""
+    config = _config(ROUTER_FILE, _ROUTER)
+    config.insert_json5("mode", '"router"')  # the override may be meant for the nodes in the same shell
+    if endpoints:
+        config.insert_json5("listen/endpoints", json.dumps([*endpoints]))
+    return _open(config)
+
+
+def _config(variable: str, defaults: Mapping[str, object]) -> Any:
+    """Return the configuration from the file that an environment variable names, else from ``defaults``."""
+    source = variable
+    try:
+        if path := os.environ.get(variable):
+            config = zenoh.Config.from_file(path)
+        else:
+            config = zenoh.Config()
+            for key, value in defaults.items():
+                config.insert_json5(key, json.dumps(value))
+        source, rest = OVERRIDE, os.environ.get(OVERRIDE, "")
+        while rest.strip():
+            if (one := _OVERRIDDEN.match(rest)) is None:
+                raise MiddlewareError(f"{OVERRIDE}: {rest!r} is not KEY=VALUE;KEY=VALUE, with values in JSON5")
+            config.insert_json5(one[1], one[2])
+            rest = rest[one.end() :]
+    except (zenoh.ZError, OSError) as error:
+        raise MiddlewareError(f"zenoh refuses {source}={os.environ.get(source)!r}: {_reason(error)}") from error
+    return config
+
+
+def _open(config: Any) -> Any:
+    try:
+        return zenoh.open(config)
+    except zenoh.ZError as error:
+        raise MiddlewareError(f"zenoh cannot open a session: {_reason(error)}") from error
+
+
+def _reason(error: Exception) -> str:
+    """Return the text of an error without the places in zenoh's source code."""
+    return re.sub(r"\s+at \S+\.rs:\d+\.?", "", str(error)).strip()
