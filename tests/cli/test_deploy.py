@@ -52,7 +52,7 @@ def test_the_files_are_what_their_readers_take(printed: Printed, tmp_path: Path)
         )
         assert [line for line in done.stderr.splitlines() if "comms.service" in line] == []
     if shutil.which("hadolint"):
-        subprocess.run(["hadolint", "-"], input=dockerfile, text=True, check=True)
+        subprocess.run(["hadolint", "--failure-threshold", "warning", "-"], input=dockerfile, text=True, check=True)
 
 
 @pytest.mark.slow
