@@ -17,7 +17,7 @@ HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs 
 # `make dist` compiles the native core for these, too, each with the cross compiler of Debian and Ubuntu.
 CROSS := $(filter-out $(shell uname -m),aarch64)
 # An editable install compiles the native core from these.
-NATIVE := hatch_build.py $(wildcard native/include/roverlink/*.h native/src/* cpp/c/*)
+NATIVE := hatch_build.py native/flags $(wildcard native/include/roverlink/*.h native/src/* cpp/c/*)
 
 .PHONY: help demo test test-all exhaustive test-vision test-ros2 test-aarch64 dist test-dist ros-package soak fuzz fuzz-native lint bench bench-vision bench-video mutation pictures generate docs docs-reference clean
 

@@ -22,12 +22,9 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from packaging.tags import platform_tags
 
 _LIBRARY = "runtime/native/libroverlink_native.so"
-FLAGS = (
-    "-std=c++17 -O2 -fPIC -shared -pthread -fvisibility=hidden -fno-exceptions -fno-rtti "
-    "-ffp-contract=off "  # Python rounds after each operation
-    "-Wall -Wextra -Wconversion -Wpedantic"
-)
-INCLUDES = ("native/include", "roverlink/cpp/c")
+FLAGS = "roverlink/native/flags"
+"""File with the compiler's options, for the ROS 2 package, too. With -ffp-contract=off, C++ rounds as Python does."""
+INCLUDES = ("roverlink/native/include", "roverlink/cpp/c")
 """Folders with headers. The second one has the C code of boards, by which the library signs, too."""
 _OLDEST_GLIBC = 17
 """Minor version of the oldest glibc 2 for which wheels have a tag of this form (PEP 600)."""
@@ -65,8 +62,8 @@ class NativeCore(BuildHookInterface):  # type: ignore[type-arg]  # hatchling's o
         )
         if not compiler:
             return self._without(library, "no C++ compiler was found")
-        native, made = Path(self.root, "native"), library.with_name(f"{library.name}.{os.getpid()}")
-        flags = [*FLAGS.split(), *shlex.split(os.environ.get("CXXFLAGS", ""))]
+        native, made = Path(self.root, "roverlink/native"), library.with_name(f"{library.name}.{os.getpid()}")
+        flags = [f"@{Path(self.root, FLAGS)}", *shlex.split(os.environ.get("CXXFLAGS", ""))]
         # What the library needs of a C++ library is in it, so that it runs beside any.
         flags += ["-static-libstdc++", "-static-libgcc", "-Wl,--no-undefined"]
         linked = ["-o", str(made), *shlex.split(os.environ.get("LDFLAGS", ""))]

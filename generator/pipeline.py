@@ -52,7 +52,7 @@ class Compiled:
     repeatable: bool
     """True if only roverlink made the files, from the table, the ledger and the files in `root`.
 
-    Templates of the user, and targets of other packages, may read more.
+    Templates of the user, and targets of other packages, may read more, and `vendored_runtime` reads the runtime.
     """
 
     def changes(self, project: Path, edited: Mapping[str, str] | None = None) -> list[Change]:
@@ -64,16 +64,19 @@ class Compiled:
         return compare(project, {**self.files, **edited}, self.folders, (*self.own, *edited))
 
 
-def compile_table(table_path: Path, kinds: Iterable[str] = (), templates: Iterable[str] = ()) -> Compiled:
+def compile_table(
+    table_path: Path, kinds: Iterable[str] = (), templates: Iterable[str] = (), *, vendor_runtime: bool = False
+) -> Compiled:
     """Compile the table mapping.yaml. Nothing is written.
 
     ``kinds`` are kinds of generated files (targets), such as ``nanopb``. ``templates`` are folders with Jinja
-    templates. Both are added to the targets and templates that the table lists.
+    templates. Both are added to the targets and templates that the table lists. ``vendor_runtime`` has the meaning of
+    the table's key ``ros.vendor_runtime``.
 
     Raises `DiagnosticsError` with all mistakes that can be found in one run.
     """
     text = read_text(table_path, table_path.name)
-    return _compiled(table_path, text, further=(tuple(kinds), tuple(templates)))
+    return _compiled(table_path, text, further=(tuple(kinds), tuple(templates), vendor_runtime))
 
 
 def compile_text(
@@ -138,7 +141,7 @@ def _compiled(
     table_path: Path,
     text: str,
     published: lock.Ledger | None = None,
-    further: tuple[tuple[str, ...], tuple[str, ...]] = ((), ()),
+    further: tuple[tuple[str, ...], tuple[str, ...], bool] = ((), (), False),
 ) -> Compiled:
     project = table_path.resolve().parent
     findings: list[Diagnostic] = []
@@ -176,7 +179,7 @@ def _compiled(
     wanted = table.and_further(*further)
     files = emitter.emit(bridge, wanted, published, project)
     own = (lock.NAME, *published.files)
-    repeatable = not wanted.templates and all(map(targets.built_in, wanted.targets))
+    repeatable = not wanted.templates and not wanted.ros.vendor_runtime and all(map(targets.built_in, wanted.targets))
     return Compiled(bridge, table.proto.root, files, folders, own, tuple(in_order(findings)), repeatable)
 
 

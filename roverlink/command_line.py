@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 GROUPS = {
     "the table": ("init", "add", "generate", "lint", "explain", "number"),
-    "the bridge": ("run", "link", "send", "listen", "echo", "pub", "simulate", "demo", "zenoh-router"),
+    "the bridge": ("run", "deploy", "link", "send", "listen", "echo", "pub", "simulate", "demo", "zenoh-router"),
     "watching and recording": ("top", "doctor", "record", "recording"),
 }
 """Names of roverlink's own commands by their job, in the order in which ``roverlink --help`` lists them."""

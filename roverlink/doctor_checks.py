@@ -28,7 +28,7 @@ from roverlink.installed_packages import EXTRAS, installed_version, with_extras
 from roverlink.runtime import MiddlewareError, Registry, RoverlinkError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
-from roverlink.runtime.middleware import NodeIdentity, can_import, open_middleware
+from roverlink.runtime.middleware import NodeIdentity, can_import, dds_cure, open_middleware
 from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.native.core import NoCoreError, open_core
@@ -331,9 +331,7 @@ def _ros(registry: Registry | None) -> Iterator[CheckResult]:
         yield _interfaces(registry)
     dds = installed_version("cyclonedds")
     if not rclpy and dds is None:
-        cure = (
-            "pip install cyclonedds (not on aarch64), or source an installed ROS 2: source /opt/ros/DISTRO/setup.bash"
-        )
+        cure = f"source an installed ROS 2: source /opt/ros/DISTRO/setup.bash; as for Cyclone DDS, {dds_cure()}"
         says = "neither rclpy nor Cyclone DDS is installed, so the bridge cannot connect to ROS 2"
         yield CheckResult("error", "ROS 2", says, cure)
     elif not rclpy:

@@ -12,6 +12,9 @@ from roverlink.generator.content_digest import proto_digest, table_digest, text_
 from roverlink.runtime import Registry, load_registry
 from roverlink.runtime.core.mirror import end_named, mirrored
 
+_DEEPEST = 5
+"""Most parts of an import name that are looked for."""
+
 
 def load_project(folder: Path, end: str = "") -> Registry:
     """Import the generated code of the project in ``folder``, and return its registry: the list of all handlers.
@@ -29,8 +32,19 @@ def load_project(folder: Path, end: str = "") -> Registry:
 
 
 def _load(folder: Path) -> Registry:
-    package = text_at(folder / TABLE, "python", "package")
+    package = text_at(folder / TABLE, "python", "package") or _package_in(folder)
     return load_registry(folder, package) if package else load_registry(folder)
+
+
+def _package_in(folder: Path) -> str:
+    """Return the import name of the generated code in a folder without a table, as a ROS 2 package installs it.
+
+    Empty if there is none, or a table.
+    """
+    if (folder / TABLE).exists():
+        return ""
+    found = (path for depth in range(1, _DEEPEST + 1) for path in folder.glob("*/" * depth + "registry.py"))
+    return next((".".join(path.relative_to(folder).parts[:-1]) for path in found), "")
 
 
 def changed_sources(folder: Path, registry: Registry) -> list[str]:

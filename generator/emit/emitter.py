@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 
 from roverlink.generator import ir, lock
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Span, shown
-from roverlink.generator.emit import envelope_file, mapping_json_schema, targets
+from roverlink.generator.emit import envelope_file, mapping_json_schema, targets, vendored_runtime
 from roverlink.generator.emit.output_rules import ForbiddenPath, TargetFailed, UnknownTarget
 from roverlink.generator.emit.python_format import format_python
 from roverlink.generator.emit.render import Files, carries_header
@@ -51,6 +51,9 @@ def emit(bridge: ir.Bridge, table: Table, published: lock.Ledger, project: Path)
         rendered = _below_folder(user_templates.emit(bridge, project, folder, span), span)
         collected.add(span, _placed(rendered, bridge))
     files = collected.files()
+    if table.ros.vendor_runtime and "ros2" in table.targets:
+        collected.add(table.ros.at("vendor_runtime"), vendored_runtime.emit(bridge, files))
+        files = collected.files()
     unmarked = [path for path, text in files.items() if not carries_header(text)]
     return dict(
         sorted({**files, lock.NAME: lock.render(bridge, lock.settings_of_rows(table), published, unmarked)}.items())

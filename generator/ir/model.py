@@ -553,6 +553,10 @@ class Bridge:
     """Import name of the generated package."""
     maintainer: str
     """Maintainer of the ROS 2 package, as ``Name <address>``."""
+    version: str
+    """Version of the ROS 2 package: three numbers with dots."""
+    license: str
+    """License of the ROS 2 package."""
     envelope: Envelope
     peers: tuple[Peer, ...]
     routes: tuple[Route, ...]

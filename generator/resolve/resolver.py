@@ -88,6 +88,8 @@ def resolve(
         package=table.ros.package,
         python_package=table.python.package,
         maintainer=table.ros.maintainer,
+        version=table.ros.version,
+        license=table.ros.license,
         envelope=envelope,
         peers=tuple(_peer(peer) for peer in sorted(table.peers, key=lambda peer: peer.name)),
         routes=routes,

@@ -270,10 +270,10 @@ class RosSettings(Part):
 
     package: Annotated[str, Text("package name"), Meaning("Name of the ROS 2 interface package.")]
     distro: Annotated[
-        Literal["humble", "jazzy"] | None,
+        Literal["humble", "jazzy", "kilted", "lyrical"] | None,
         Meaning(
-            "The ROS 2 distribution whose standard messages are used, if humble and jazzy differ.",
-            default="only what is the same in both",
+            "The ROS 2 distribution whose standard messages are used, if distributions differ.",
+            default="only what is the same in all",
         ),
     ] = None
     # package.xml requires a maintainer; example.com is reserved and receives no mail (RFC 2606, section 3)
@@ -282,6 +282,24 @@ class RosSettings(Part):
         Text("`Name <address>`", _MAINTAINER, "Rover Team <rover@example.com>"),
         Meaning("Maintainer of the ROS 2 package, for its package.xml.", default="a placeholder"),
     ] = "unnamed <unnamed@example.com>"
+    version: Annotated[
+        str,
+        Text("version", r"(0|[1-9][0-9]*)(\.(0|[1-9][0-9]*)){2}", "1.2.0"),
+        Meaning("Version of the ROS 2 package, for its package.xml."),
+    ] = "0.1.0"
+    license: Annotated[
+        str,
+        Text("license", r"[^<>&\s][^<>&]*", "Apache-2.0"),
+        Meaning("License of the ROS 2 package, for its package.xml, as SPDX names it."),
+    ] = "Apache-2.0"
+    vendor_runtime: Annotated[
+        bool,
+        Meaning(
+            "If true, the ROS 2 package contains roverlink's runtime and the generated Python code, as with "
+            "`generate --vendor-runtime`.",
+            see="rover.md#the-ros-2-package",
+        ),
+    ] = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -1000,16 +1018,18 @@ class Table(Part):
         peer = self.peers_by_name().get(row.peer)
         return row.board or (peer.board_for(row.proto) if peer is not None else "")
 
-    def and_further(self, targets: tuple[str, ...], templates: tuple[str, ...]) -> Table:
+    def and_further(self, targets: tuple[str, ...], templates: tuple[str, ...], vendor_runtime: bool) -> Table:
         """Return a copy of the table with further targets and template folders, without duplicates.
 
-        The place of each is the option of `roverlink generate` that names it.
+        The place of each is the option of `roverlink generate` that names it. ``vendor_runtime`` is the option of this
+        name.
         """
         options = {f"targets.{name}": Span(f"--target {name}") for name in targets}
         options |= {f"templates.{folder}": Span(f"--template {folder}") for folder in templates}
         return replace(
             self,
             spans={**options, **self.spans},
+            ros=replace(self.ros, vendor_runtime=self.ros.vendor_runtime or vendor_runtime),
             targets=tuple(dict.fromkeys((*(self.targets or USUAL_TARGETS), *targets))),
             templates=tuple(dict.fromkeys((*self.templates, *templates))),
         )

@@ -68,6 +68,13 @@ def add(commands: Subparsers) -> None:
         help="also render your own Jinja templates in the folder DIR, into generated/DIR; may be repeated; as with "
         "--target, `templates` in mapping.yaml keeps the files",
     )
+    parser.add_argument(
+        "--vendor-runtime",
+        action="store_true",
+        help="put the part of roverlink that runs a bridge, and the generated Python code, into the ROS 2 package, so "
+        "that its folder can be built in any workspace; as with --target, `vendor_runtime` under `ros` in mapping.yaml "
+        "keeps the files",
+    )
     parser.set_defaults(run=run)
 
 
@@ -100,7 +107,8 @@ def _changes(table: Path, arguments: argparse.Namespace) -> tuple[list[Change], 
     Warnings are printed. The table is compiled only if its last run had other inputs.
     """
     project = table.resolve().parent
-    known = None if arguments.target or arguments.template else KnownResult(table, "generate")
+    options = arguments.target or arguments.template or arguments.vendor_runtime
+    known = None if options else KnownResult(table, "generate")
     if known and known.value:
         files, folders, own, messages = known.value
         return compare(project, files, folders, own), len(files), messages
@@ -108,7 +116,7 @@ def _changes(table: Path, arguments: argparse.Namespace) -> tuple[list[Change], 
 
     # Relative to the table: generated files name their templates and must not contain machine paths.
     templates = [os.path.relpath(folder, project) for folder in arguments.template]
-    compiled = compile_table(table, arguments.target, templates)
+    compiled = compile_table(table, arguments.target, templates, vendor_runtime=arguments.vendor_runtime)
     changes, messages = compiled.changes(project), len(compiled.bridge.routes)
     show_without_hints(compiled.warnings, Sources(table.parent), sys.stderr)
     # Some generated files are inputs, too, such as the ledger. So a run that changes files is followed by another one.

@@ -41,6 +41,7 @@ from roverlink.generated_code import changed_sources, load_project
 from roverlink.node_log import publish_log
 from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
+from roverlink.runtime.bridge import service_manager
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.signed_peers import open_links
 from roverlink.runtime.middleware import open_middleware
@@ -130,7 +131,9 @@ def run(arguments: argparse.Namespace) -> int:
             )
             comparison.start()
             stack.callback(comparison.join)
+            service_manager.notify(service_manager.READY)
             bridge.run()
+            service_manager.notify(service_manager.STOPPING)
     return OK
 
 

@@ -23,7 +23,7 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any, Protocol
 
-from roverlink.runtime.bridge import request_rows
+from roverlink.runtime.bridge import request_rows, service_manager
 from roverlink.runtime.bridge.account import Account
 from roverlink.runtime.bridge.admission import Admission
 from roverlink.runtime.bridge.board_clocks import BoardClocks
@@ -194,6 +194,8 @@ class Bridge:
         tasks: list[TimedTask] = [*woken, *(row for row in self._outbound_rows if row.is_timed)]
         if self._link is not None:
             tasks.append(self._link)
+        if (limit_s := service_manager.watchdog_s()) is not None:
+            tasks.append(service_manager.Heartbeat(limit_s, self._progress))
         self._timekeeper = Timekeeper("timekeeper", tasks, self._fail)
         if self._link is not None:
             self._link.wake, self._link.on_start = self._timekeeper.wake, self._renew
@@ -277,6 +279,13 @@ class Bridge:
         self._receiver.join()
         if self._failure is not None:
             raise self._failure
+
+    def _progress(self) -> tuple[int, int]:
+        """Return numbers of which one grows while the receive thread works, and wake the thread.
+
+        A native loop does not return while datagrams arrive, so their number counts, too.
+        """
+        return self._receiver.look_again(), self.account.received
 
     def change(self, parameters: Parameters) -> None:
         """Use changed parameters from now on; the values of read-only parameters must be the same as before.

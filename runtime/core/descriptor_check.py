@@ -14,6 +14,7 @@ from google.protobuf import descriptor_pool
 from google.protobuf.descriptor import FieldDescriptor
 
 from roverlink.runtime.core.errors import RegistryError
+from roverlink.runtime.core.protobuf_versions import is_repeated
 
 if TYPE_CHECKING:
     from google.protobuf.descriptor import Descriptor, EnumDescriptor
@@ -88,7 +89,7 @@ def describe_enum(descriptor: EnumDescriptor) -> Values:
 
 
 def _describe_field(field: FieldDescriptor) -> tuple[int, str, str]:
-    repeated = "repeated " if field.is_repeated else ""
+    repeated = "repeated " if is_repeated(field) else ""
     named = field.message_type or field.enum_type
     return field.number, field.name, f"{repeated}{named.full_name if named else scalar_name(field)}"
 

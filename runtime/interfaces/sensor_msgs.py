@@ -110,16 +110,16 @@ class NavSatStatus(Message):
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/NavSatStatus"
     __typehash__: ClassVar[str] = "RIHS01_d1ed3befa628e09571bd273b888ba1c1fd187c9a5e0006b385d7e5e9095a3204"
 
+    STATUS_UNKNOWN: ClassVar[int] = -2
     STATUS_NO_FIX: ClassVar[int] = -1
     STATUS_FIX: ClassVar[int] = 0
     STATUS_SBAS_FIX: ClassVar[int] = 1
     STATUS_GBAS_FIX: ClassVar[int] = 2
+    SERVICE_UNKNOWN: ClassVar[int] = 0
     SERVICE_GPS: ClassVar[int] = 1
     SERVICE_GLONASS: ClassVar[int] = 2
     SERVICE_COMPASS: ClassVar[int] = 4
     SERVICE_GALILEO: ClassVar[int] = 8
-    STATUS_UNKNOWN: ClassVar[int] = -2
-    SERVICE_UNKNOWN: ClassVar[int] = 0
 
     status: Int8 = 0
     service: UInt16 = 0

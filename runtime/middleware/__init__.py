@@ -40,6 +40,7 @@ __all__ = [
     "ServiceClient",
     "Subscription",
     "can_import",
+    "dds_cure",
     "open_middleware",
     "open_zenoh_router",
 ]
@@ -101,20 +102,7 @@ def _open_dds(node: NodeIdentity, parameters: NodeParameters | None) -> Middlewa
         with later_modules.put_off():
             from roverlink.runtime.middleware.dds import DdsMiddleware
     except ImportError as error:
-        raise MiddlewareError(
-            f"Cyclone DDS cannot be imported ({error}); "
-            + (
-                "it has no wheel for Python 3.14 and newer: make the virtual environment with Python 3.10 to 3.13, or "
-                "use --middleware rclpy with an installed ROS 2"
-                if sys.version_info >= (3, 14)
-                else "install it with `pip install cyclonedds`"
-            )
-            + (
-                f" (it has no wheel for {platform.machine()}: there, use --middleware rclpy with an installed ROS 2)"
-                if sys.version_info < (3, 14) and platform.machine() not in ("x86_64", "AMD64", "arm64")  # arm64: macOS
-                else ""
-            )
-        ) from error
+        raise MiddlewareError(f"Cyclone DDS cannot be imported ({error}); {dds_cure()}") from error
     return DdsMiddleware(node, parameters)
 
 
@@ -135,3 +123,14 @@ def _with_zenoh(module: str) -> Any:
             f"zenoh cannot be imported ({error}); install it with `pip install eclipse-zenoh xxhash`, or install "
             "roverlink with the extra 'zenoh'"
         ) from error
+
+
+def dds_cure() -> str:
+    """Return what to do where Cyclone DDS cannot be imported."""
+    if sys.version_info >= (3, 14):
+        lacking, cure = "Python 3.14 and newer", "make the virtual environment with Python 3.10 to 3.13, or "
+    elif platform.machine() not in ("x86_64", "AMD64", "arm64"):  # arm64: macOS
+        lacking, cure = platform.machine(), ""
+    else:
+        return "install it with `pip install cyclonedds`"
+    return f"it has no wheel for {lacking}: {cure}use --middleware rclpy with an installed ROS 2"

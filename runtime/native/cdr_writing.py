@@ -21,6 +21,7 @@ from roverlink.runtime.core.messages import (
     default_of,
     fields_of,
 )
+from roverlink.runtime.core.protobuf_versions import is_repeated
 from roverlink.runtime.native.layout import NONE, Code, Flag, Op
 from roverlink.runtime.native.operations import (
     PRIMITIVES,
@@ -87,7 +88,7 @@ class CdrWriting:
         if "wrapping" in one:
             place = self.parts.payloads.place(message_in(place.field), one["wrapping"], place.slot + 1)
             one = {key: value for key, value in one.items() if key != "wrapping"}
-            if place.field.is_repeated:
+            if is_repeated(place.field):
                 return self._write_list(type, one, place)
         if kind == "held":
             (inner_field,) = fields_of(message_class(type))
@@ -173,7 +174,7 @@ class CdrWriting:
                 return [op(Code.STAMP)]
             return [op(Code.MOMENT, a=self.parts.expression(self.parts.number(one["moment"], descriptor)))]
         place = self.parts.payloads.place(descriptor, one["from"])
-        if place.field.is_repeated:
+        if is_repeated(place.field):
             inner = primitive_of(element_of(type))
             item = self.parts.number(one, descriptor, Place(place.field, 0))
             return with_body(

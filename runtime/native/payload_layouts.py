@@ -9,6 +9,7 @@ from typing import Any
 
 from google.protobuf.descriptor import Descriptor, EnumDescriptor, FieldDescriptor
 
+from roverlink.runtime.core.protobuf_versions import is_closed, is_repeated
 from roverlink.runtime.native import layout as native
 
 
@@ -82,15 +83,15 @@ class PayloadLayouts:
         return index
 
     def _field(self, proto: FieldDescriptor, slot: int, slots: dict[str, int]) -> native.Field:
-        flags = native.FieldFlag.REPEATED * proto.is_repeated
+        flags = native.FieldFlag.REPEATED * is_repeated(proto)
         layout, extent = native.NONE, 1
         opaque = self._open.get(proto.message_type.full_name) if proto.message_type is not None else None
         if opaque is not None:
             flags |= native.FieldFlag.OPAQUE
         elif proto.message_type is not None:
             layout = self.of(proto.message_type)
-            extent += 0 if proto.is_repeated else self.layouts[layout].slots
-        elif proto.enum_type is not None and proto.enum_type.is_closed:
+            extent += 0 if is_repeated(proto) else self.layouts[layout].slots
+        elif proto.enum_type is not None and is_closed(proto.enum_type):
             layout = self.enum(proto.enum_type)
         if proto.type == FieldDescriptor.TYPE_STRING:
             flags |= native.FieldFlag.UTF8
@@ -103,7 +104,7 @@ class PayloadLayouts:
 
     def _default(self, proto: FieldDescriptor) -> Items[int]:
         """Return the two words of a field's default."""
-        if proto.is_repeated or proto.message_type is not None:
+        if is_repeated(proto) or proto.message_type is not None:
             return 0, 0
         value: Any = proto.default_value
         if isinstance(value, (str, bytes)):

@@ -10,6 +10,7 @@ from typing import Any
 from google.protobuf.descriptor import Descriptor, FieldDescriptor
 
 from roverlink.runtime.core.messages import FieldType, Message, Primitive, fields_of
+from roverlink.runtime.core.protobuf_versions import is_closed, is_packed, is_repeated
 from roverlink.runtime.native.cdr_reading import RosFrame
 from roverlink.runtime.native.layout import NONE, Code, Flag, Number, Op
 from roverlink.runtime.native.operations import (
@@ -99,7 +100,7 @@ class PayloadWriting:
 
     @staticmethod
     def _elements(proto: FieldDescriptor, slot: int, element: RosFrame, body: list[Op]) -> list[Op]:
-        if not proto.is_packed:
+        if not is_packed(proto):
             return with_body(op(Code.REPEAT, slot=slot, b=element.size), body)
         body[0].number = 0
         return with_body(op(Code.PACKED, slot=slot, b=element.size, number=proto.number), body)
@@ -121,7 +122,7 @@ class PayloadWriting:
         if "wrapping" in one:
             inner = message_in(proto).fields_by_name[one["wrapping"]]
             rest = {key: value for key, value in one.items() if key != "wrapping"}
-            if inner.is_repeated:
+            if is_repeated(inner):
                 element = frame.elements[path]
                 body = self._back(element_of(type), rest, inner, element, "")
                 return _message(proto, self._elements(inner, frame.slots[path], element, body))
@@ -147,9 +148,9 @@ class PayloadWriting:
 
     def _plain_field(self, code: Code, proto: FieldDescriptor, slot: int, a: int = NONE) -> Op:
         """Return the operation that writes a field; a closed enum has the values that it declares, and no other."""
-        flags = 0 if proto.has_presence or proto.is_repeated else Flag.IMPLICIT
+        flags = 0 if proto.has_presence or is_repeated(proto) else Flag.IMPLICIT
         values = NONE
-        if proto.enum_type is not None and proto.enum_type.is_closed:
+        if proto.enum_type is not None and is_closed(proto.enum_type):
             values = self.parts.payloads.enum(proto.enum_type)
         return op(code, slot=slot, number=proto.number, type=proto.type, flags=flags, a=a, b=values)
 

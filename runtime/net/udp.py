@@ -222,6 +222,7 @@ class Receiver(Generic[T]):
         self._loop: Loop | None = None
         self.left = 0
         """Datagrams that had arrived at the stop but were not handled in time."""
+        self._rounds = 0
         self._failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="udp-receive", daemon=True)
 
@@ -272,6 +273,11 @@ class Receiver(Generic[T]):
         with contextlib.suppress(OSError):  # the pipe is full, so the thread wakes anyway; or it has ended
             self._wake.send(b"\0")
 
+    def look_again(self) -> int:
+        """Ask the thread to look for datagrams, and return how often it has done so without a loop."""
+        self._wake_thread()
+        return self._rounds
+
     def join(self) -> None:
         """Wait until the thread ends. Raises `FailedThreadError` if an exception of ``handle`` ended it."""
         if threading.current_thread() is threading.main_thread():
@@ -315,6 +321,7 @@ class Receiver(Generic[T]):
                     # Level-triggered: it returns at once if data is left, so no datagram can be forgotten.
                     poll.poll()
                     self._handle_burst()
+                self._rounds += 1
                 with contextlib.suppress(BlockingIOError):
                     self._woken.recv(_SLOTS)
             self._drain()
@@ -327,6 +334,7 @@ class Receiver(Generic[T]):
         while more and not self._stopping:
             read, handle = self._path
             datagrams = read()
+            self._rounds += 1
             # Fewer than the slots: the socket was empty. Poll again instead of a read that returns nothing.
             more = len(datagrams) == _SLOTS
             _in_batches(datagrams, handle)

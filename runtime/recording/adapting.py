@@ -16,6 +16,7 @@ from google.protobuf.message import DecodeError
 
 from roverlink.runtime.core import envelope
 from roverlink.runtime.core.errors import DatagramError, Reason
+from roverlink.runtime.core.protobuf_versions import is_repeated
 from roverlink.runtime.core.registry import Registry
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def same_meaning(then: Any, now: Any) -> bool:
     Fields that were added to its message later do not matter. ``then`` is the field's descriptor in the older schema,
     ``now`` its descriptor in the newer one.
     """
-    if (then.is_repeated, then.type) != (now.is_repeated, now.type):
+    if (is_repeated(then), then.type) != (is_repeated(now), now.type):
         return False
     if then.message_type is None or now.message_type is None:
         return bool(then.name == now.name)
@@ -118,7 +119,7 @@ def _same_message(then: Any, now: Any, above: frozenset[str]) -> bool:
 
 
 def _same_field(then: Any, now: Any, then_of: Any, now_of: Any, above: frozenset[str]) -> bool:
-    if (then.is_repeated, then.type) != (now.is_repeated, now.type):
+    if (is_repeated(then), then.type) != (is_repeated(now), now.type):
         return False
     if then.name != now.name and (then.name in now_of.fields_by_name or now.name in then_of.fields_by_name):
         return False  # both names exist in both schemas: two fields were swapped, none was renamed
@@ -134,7 +135,7 @@ def _copy_by_name(then: Any, now: Any) -> None:
     now.SetInParent()
     for field, value in then.ListFields():
         target = now.DESCRIPTOR.fields_by_name.get(field.name)
-        if target is None or target.is_repeated != field.is_repeated:
+        if target is None or is_repeated(target) != is_repeated(field):
             continue
         if (target.message_type is None) != (field.message_type is None):
             continue
@@ -144,11 +145,11 @@ def _copy_by_name(then: Any, now: Any) -> None:
 def _copy_field(value: Any, now: Any, target: Any) -> None:
     if target.message_type is None:
         with contextlib.suppress(TypeError, ValueError):  # the value does not fit: the field keeps its default
-            if target.is_repeated:
+            if is_repeated(target):
                 getattr(now, target.name).extend(value)
             else:
                 setattr(now, target.name, value)
-    elif target.is_repeated:
+    elif is_repeated(target):
         for element in value:
             _copy_by_name(element, getattr(now, target.name).add())
     else:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from google.protobuf import descriptor_pb2, descriptor_pool
 from google.protobuf.message import DecodeError
 
 from roverlink.runtime.core.errors import SetupError
+from roverlink.runtime.core.protobuf_versions import message_class
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
@@ -42,6 +43,6 @@ def message_type_from(name: str, descriptor_set: bytes) -> type[ProtoMessage]:
     try:
         for file in descriptor_pb2.FileDescriptorSet.FromString(descriptor_set).file:
             pool.Add(file)
-        return message_factory.GetMessageClass(pool.FindMessageTypeByName(name))
+        return message_class(pool.FindMessageTypeByName(name))
     except (DecodeError, KeyError, TypeError) as error:
         raise SetupError(f"cannot use the recorded protobuf schema of {name}: {error}") from error

@@ -12,6 +12,7 @@ from google.protobuf.descriptor import FieldDescriptor
 from roverlink.bounded_yaml import BoundedBaseLoader
 from roverlink.runtime.core.descriptor_check import scalar_name
 from roverlink.runtime.core.errors import ConversionError, nearest
+from roverlink.runtime.core.protobuf_versions import is_repeated
 from roverlink.runtime.text import strict_yaml
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def _nested(descriptor: Any, name: str, path: str) -> Any:
     field = _field(descriptor, name, path)
     if field.message_type is None:
         raise ConversionError(f"{descriptor.name}.{name} is not a message, so it has no fields", path)
-    if field.is_repeated:
+    if is_repeated(field):
         raise ConversionError(f"{descriptor.name}.{name} is a list; write {name}=[{{...}}, ...]", path)
     return field.message_type
 
@@ -73,7 +74,7 @@ def _field_value(field: Any, value: Any, path: str) -> Any:
     # A path has no way to write a map's keys.
     if field.message_type is not None and field.message_type.GetOptions().map_entry:
         raise ConversionError("the field is a map, which an assignment cannot set", path)
-    if not field.is_repeated:
+    if not is_repeated(field):
         return _item_value(field, value, path)
     values = _yaml(value, path) if isinstance(value, str) else value
     if not isinstance(values, list):

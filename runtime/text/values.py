@@ -24,6 +24,7 @@ from roverlink.runtime.core.messages import (
     default_of,
     fields_of,
 )
+from roverlink.runtime.core.protobuf_versions import ZEROS_TOO, is_repeated
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message as ProtoMessage
@@ -119,7 +120,7 @@ def payload_to_values(payload: ProtoMessage) -> dict[str, Any]:
     """
     try:
         # Zeros included: a reader of an example has to see every field, and cannot see the fields that are left out.
-        values = MessageToDict(payload, preserving_proto_field_name=True, always_print_fields_with_no_presence=True)
+        values = MessageToDict(payload, preserving_proto_field_name=True, **ZEROS_TOO)
     except (TypeError, ValueError, DecodeError, SerializeToJsonError):
         return {field.name: _field_to_value(field, value) for field, value in payload.ListFields()}
     return _as_declared(payload.DESCRIPTOR, values) if _is_declared(payload.DESCRIPTOR) else values
@@ -131,7 +132,7 @@ def _field_to_value(field: Any, value: Any) -> Any:
         return {str(key): _element_to_value(inner, element) for key, element in value.items()}
     return (
         [_element_to_value(field, element) for element in value]
-        if field.is_repeated
+        if is_repeated(field)
         else _element_to_value(field, value)
     )
 

@@ -236,7 +236,7 @@ for line in ([name] for names in command_line.GROUPS.values() for name in names)
     ("module", "line", "install"),
     [
         ("black", "init", "'black<27,>=26.1'"),
-        ("google", "lint", "'protobuf<8,>=7.35.1'"),
+        ("google", "lint", "'protobuf<8,>=3.20'"),
         ("grpc_tools", "lint", "'grpcio-tools==1.85.1'"),
         ("jinja2", "init", "'jinja2>=3.1.6'"),
         ("mcap", "recording info {run}", "'SOURCE[record]'"),

@@ -14,6 +14,7 @@ import contextlib
 import json
 import os
 import platform
+import re
 import shlex
 import shutil
 import signal
@@ -135,6 +136,8 @@ def main(folder: Path) -> int:
                     user.pip("install", "--force-reinstall", "--no-deps", "--no-cache-dir", roverlink, **_NO_COMPILER)
                     _find_the_native_core(user, native=False)
                     _use_the_handlers(user)
+                    if sys.version_info < (3, 11):  # the oldest Python; newer ones lack wheels of old packages
+                        _use_the_oldest(user)
             except (_JobError, subprocess.SubprocessError, ValueError) as error:
                 print(f"{roverlink.name} with Python {platform.python_version()}: {error}", file=sys.stderr)
                 return 1
@@ -198,6 +201,23 @@ def _use_the_handlers(user: _User) -> None:
     """Convert a message in a program that has its own main function."""
     (user.folder / "program.py").write_text(_PROGRAM)
     user.run("python program.py")
+
+
+def _use_the_oldest(user: _User) -> None:
+    """Generate with the oldest packages that the bounds allow, then run with the oldest protobuf, without protoc."""
+    project = (Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8")
+    needed = project.partition("[project.optional-")[0]
+    bounds = dict(re.findall(r'^    "([a-z0-9-]+)>=([0-9.]+)', needed, re.MULTILINE))
+    oldest = {name: bound if bound.count(".") else f"{bound}.0" for name, bound in bounds.items()}
+    protobuf = oldest.pop("protobuf")
+    user.pip("install", *(f"{name}=={bound}.*" for name, bound in oldest.items()))
+    user.run("roverlink generate --check")
+    user.pip("uninstall", "--yes", "-qq", "grpcio-tools")
+    user.pip("install", f"protobuf=={protobuf}.*")
+    _use_the_handlers(user)
+    with user.running("roverlink run --json --middleware memory --ros-args -p listen_port:=0") as bridge:
+        if not (bridge.stdout and "fingerprint" in bridge.stdout.readline()):
+            raise _JobError(f"the bridge did not start with protobuf {protobuf}")
 
 
 def _find_the_native_core(user: _User, *, native: bool) -> None:

@@ -3,9 +3,11 @@
 A workspace in build/ros-package gets the interface package and the package of launch files, two packages that stand in
 for what Debian does not have, the standard interfaces that the first one depends on, and a package that converts its
 messages in C++. `colcon build` builds it; then these programs must give what the Python handlers give, and the others
-are started as `ros2 run` would. What each message is made of, rosidl says in `test_package.py`. In a shell in which
-ROS 2 is sourced, all that is ROS 2's is taken from there; from Iron on, rosidl computes type hashes, which must be
-those of the generated Python.
+are started as `ros2 run` would, with the links of `--symlink-install`. The package with a vendored runtime is built
+without the project and moved; its bridge must run with the system's Python, which has nothing of ours, and with its own
+native core. What each message is made of, rosidl says in `test_package.py`. In a shell in which ROS 2 is sourced, all
+that is ROS 2's is taken from there; from Iron on, rosidl computes type hashes, which must be those of the generated
+Python.
 
 Exit code 0: it builds, and all of that holds; 1: it does not; 2: a tool is missing.
 """
@@ -34,6 +36,7 @@ import generated.messages  # noqa: E402
 from generated.registry import REGISTRY  # noqa: E402
 from roverlink.generator.pipeline import compile_table  # noqa: E402
 from roverlink.runtime.core.messages import Message  # noqa: E402
+from roverlink.runtime.native.core import REINSTALL  # noqa: E402
 
 _WORKSPACE = ROOT / "build" / "ros-package"
 _SYSTEM_PYTHON = "/usr/bin/python3"  # which has rosidl's modules
@@ -42,6 +45,16 @@ _OF_ROS = ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "LD_LIBRARY_PATH", "PYTHONP
 _SOURCED = "AMENT_PREFIX_PATH" in os.environ
 _WITHOUT_ROS = frozenset({"ament_cmake", "launch", "launch_ros", "rosidl_default_generators", "rosidl_default_runtime"})
 _NAVIGATION = "rtt_slam"
+_LIST = """
+import argparse, sys
+from colcon_core.package_discovery import add_package_discovery_arguments, discover_packages
+from colcon_core.package_identification import get_package_identification_extensions
+parser = argparse.ArgumentParser()
+add_package_discovery_arguments(parser)
+arguments = parser.parse_args(["--base-paths", sys.argv[1]])
+print(*(one.name for one in discover_packages(arguments, get_package_identification_extensions())))
+"""
+"""What `colcon list --names-only --base-paths FOLDER` does, which Debian's colcon lacks."""
 
 
 def main() -> int:
@@ -61,11 +74,13 @@ def main() -> int:
     (sources / _NAVIGATION).symlink_to(ROOT / "rover" / "navigation")
     if not _SOURCED:
         _write_node(sources, _write_standards(sources, _interfaces(package)))
-    if not _colcon():
+    if not _colcon("--symlink-install"):
         return 1
-    environment = _sourced()
-    faults = [*_other_hashes(), *_does_not_run(environment)]
+    environment = _sourced(_WORKSPACE / "install")
+    ours = {**environment, "PATH": f"{Path(sys.executable).parent}:{environment['PATH']}"}
+    faults = [*_other_packages(), *_other_hashes(), *_does_not_run(ours)]
     faults += _is_not_navigation(environment)
+    faults += _does_not_stand_alone(sources / REGISTRY.package, package)
     if not _SOURCED:
         faults += workspace.differences(_WORKSPACE / "install" / "node" / "lib" / "node", environment)
     print("\n".join(faults) or f"{REGISTRY.package} builds, and does what Python does")
@@ -195,10 +210,10 @@ def _write_cmake(folder: Path, body: str, languages: str = "") -> None:
 # --- building and using -----------------------------------------------------------------------------------------
 
 
-def _colcon() -> bool:
+def _colcon(*options: str) -> bool:
     """Build the workspace; whether that worked. Without our environment, whose Python has none of rosidl's modules."""
     kept = {name: os.environ[name] for name in ("HOME", "LANG", "TERM", *_OF_ROS) if name in os.environ}
-    command = ["/usr/bin/colcon", "--log-base", "log", "build", "--base-paths", "src"]
+    command = ["/usr/bin/colcon", "--log-base", "log", "build", "--base-paths", "src", *options]
     command += ["--cmake-args", f"-DPython3_EXECUTABLE={_SYSTEM_PYTHON}", "--no-warn-unused-cli"]
     return subprocess.run(command, cwd=_WORKSPACE, env={**kept, "PATH": _path()}).returncode == 0
 
@@ -209,11 +224,20 @@ def _path() -> str:
     return ":".join(part for part in os.environ["PATH"].split(":") if part != ours) if _SOURCED else "/usr/bin:/bin"
 
 
-def _sourced() -> dict[str, str]:
-    """The environment of a shell that has sourced the workspace."""
-    command = ["/bin/bash", "-c", "source install/setup.bash && env -0"]
-    done = subprocess.run(command, cwd=_WORKSPACE, capture_output=True, text=True, check=True)
+def _sourced(install: Path) -> dict[str, str]:
+    """The environment of a shell that has sourced what was installed."""
+    command = ["/bin/bash", "-c", "source ./setup.bash && env -0"]
+    done = subprocess.run(command, cwd=install, capture_output=True, text=True, check=True)
     return dict(line.split("=", 1) for line in done.stdout.split("\0") if line)
+
+
+def _other_packages() -> Iterator[str]:
+    """Packages that colcon finds in a clone, apart from the two that are meant: they would hide ROS 2's own."""
+    found = subprocess.run(
+        [_SYSTEM_PYTHON, "-c", _LIST, ROOT], capture_output=True, text=True, check=True
+    ).stdout.split()
+    if sorted(found) != sorted([REGISTRY.package, _NAVIGATION]):
+        yield f"colcon finds the packages {', '.join(sorted(found))} in a clone"
 
 
 def _other_hashes() -> Iterator[str]:
@@ -231,7 +255,31 @@ def _is_message(one: object) -> bool:
     return isinstance(one, type) and issubclass(one, Message)
 
 
-def _does_not_run(environment: dict[str, str]) -> Iterator[str]:
+def _does_not_stand_alone(folder: Path, package: Path) -> Iterator[str]:
+    """Build the package with a vendored runtime in the place of the other one, move it, and start its bridge."""
+    folder.unlink()
+    shutil.copytree(package, folder)  # with the times of the files, so that no message is compiled again
+    prefix = f"generated/ros/{REGISTRY.package}/"
+    for path, text in compile_table(ROOT / "mapping.yaml", vendor_runtime=True).files.items():
+        if (name := path.removeprefix(prefix)) != path and name.startswith("vendor/"):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text(text, encoding="utf-8")
+    built, moved = _WORKSPACE / "alone", _WORKSPACE / "elsewhere"
+    for stale in (built, moved):
+        shutil.rmtree(stale, ignore_errors=True)
+    if not _colcon("--packages-select", REGISTRY.package, "--install-base", built.name):
+        yield "the package with a vendored runtime does not build"
+        return
+    built.rename(moved)
+    place = moved / REGISTRY.package
+    for path in (*place.glob("lib/*/**/*"), *place.glob("share/*/launch/*"), *place.glob("share/*/config/*")):
+        if path.is_file() and os.fsencode(ROOT) in path.read_bytes():
+            yield f"{path} contains the path of the project"
+    # Nothing of this environment: neither its Python nor its variables.
+    yield from _does_not_run({**_sourced(moved), "PATH": _path(), "HOME": str(moved)}, native=True)
+
+
+def _does_not_run(environment: dict[str, str], *, native: bool = False) -> Iterator[str]:
     """Look for the launch files, and start the bridge as `ros2 run` does: by the package's name in the index."""
     package = REGISTRY.package
     prefixes = [Path(prefix) for prefix in environment["AMENT_PREFIX_PATH"].split(":")]
@@ -244,20 +292,21 @@ def _does_not_run(environment: dict[str, str]) -> Iterator[str]:
     for file in (f"launch/{package}.launch.py", f"launch/{package}_launch.yaml", "config/udp.yaml"):
         if not (shared / file).is_file():
             yield f"ros2 launch would not find {shared / file}"
-    path = f"{Path(sys.executable).parent}:{environment['PATH']}"
-    ours = {**environment, "PATH": path, "PYTHONPATH": f"{ROOT}:{environment.get('PYTHONPATH', '')}"}
     command = [found[0], "--json", "--middleware", "memory", "--ros-args", "-p", "listen_port:=0"]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with contextlib.ExitStack() as stack:
-        bridge = stack.enter_context(subprocess.Popen(command, env=ours, cwd="/", **pipes))  # type: ignore[call-overload]
+        bridge = stack.enter_context(subprocess.Popen(command, env=environment, cwd="/", **pipes))  # type: ignore[call-overload]
         stack.callback(bridge.kill)
         ready = bridge.stdout.readline()
         if not ready or json.loads(ready)["fingerprint"] != REGISTRY.fingerprint:
             yield f"{found[0]} did not start this project's bridge: {ready}{bridge.stderr.read()}"
             return
         bridge.send_signal(signal.SIGINT)
-        if code := bridge.wait(30):
-            yield f"{found[0]} ended with {code}"
+        log = bridge.communicate(timeout=30)[1]
+        if bridge.returncode:
+            yield f"{found[0]} ended with {bridge.returncode}: {log}"
+        if native and REINSTALL in log:
+            yield f"{found[0]} has no native core: {log}"
 
 
 def _is_not_navigation(environment: dict[str, str]) -> Iterator[str]:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 def environment(domain: int, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
     """The environment of a sourced ROS 2, on this host alone, in a domain that nobody else is in."""
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    if os.environ.get("ROS_DISTRO") == "humble":  # later ones warn of this variable
+        monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     monkeypatch.setenv("PYTHONFAULTHANDLER", "1")
     monkeypatch.setenv("COLUMNS", "200")

@@ -1,4 +1,4 @@
-"""Test the bridge against a real ROS 2, whose wheels come from PyPI: `make test-ros2`.
+"""Test the bridge against a real ROS 2, whose wheels come from PyPI (`make test-ros2`), or which is sourced.
 
 Each distribution gets an environment in `.ros2/`, with the wheels and with roverlink. CMake and rosidl build the
 interface package in `generated/ros` against it, and what the tests need of `nav2_msgs`, `tf2_msgs` and `vision_msgs`,
@@ -8,6 +8,7 @@ Environment and packages are made again only where what goes into them has chang
 
     python tests/ros2/run.py                    both distributions
     python tests/ros2/run.py jazzy -k graph     one of them, with arguments for pytest
+    python3 tests/ros2/run.py --sourced         the ROS 2 of this shell, such as Humble on Ubuntu 22.04 or on a Jetson
 
 Exit code 0: all tests passed; 1: a test failed; 2: a tool is missing, or the wheels cannot be installed.
 """
@@ -32,19 +33,26 @@ ENVIRONMENTS = ROOT / ".ros2"
 COMMS = ROOT / "generated" / "ros" / "comms"
 INTERFACES, TEMPLATE = HERE / "interfaces", HERE / "template"
 DISTRIBUTIONS = ("jazzy", "kilted")
+SOURCED = "sourced"
+"""Name of the environment with the ROS 2 of the shell."""
 TESTS = [str(ROOT / folder / "tests" / "ros2") for folder in ("", "rover", "check_launch")]
 _ALL = ["-n", "auto", "-m", "slow or not exhaustive"]
+# An installed ROS 2 brings plug-ins (launch_testing) that this pytest refuses.
+_NO_PLUGINS = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": "-p xdist.plugin"}
 
 
 def main() -> int:
     """Prepare the distributions and run the tests in each."""
     parser = argparse.ArgumentParser(description="Test the bridge against a real ROS 2 from PyPI.")
     parser.add_argument("distributions", nargs="*", metavar="DISTRIBUTION", help=f"of {', '.join(DISTRIBUTIONS)}")
+    parser.add_argument("--sourced", action="store_true", help="the ROS 2 that is sourced in this shell")
     arguments, for_pytest = parser.parse_known_args()
-    wanted = arguments.distributions or DISTRIBUTIONS
-    if unknown := set(wanted) - set(DISTRIBUTIONS):
+    wanted = [SOURCED] if arguments.sourced else arguments.distributions or DISTRIBUTIONS
+    if arguments.sourced and (arguments.distributions or not os.environ.get("AMENT_PREFIX_PATH")):
+        parser.error("--sourced is for the one ROS 2 of this shell; run `source /opt/ros/humble/setup.bash` first")
+    if not arguments.sourced and (unknown := set(wanted) - set(DISTRIBUTIONS)):
         parser.error(f"unknown: {', '.join(unknown)} (known: {', '.join(DISTRIBUTIONS)})")
-    if missing := _missing():
+    if missing := _missing(of_pypi=not arguments.sourced):
         print(missing, file=sys.stderr)
         return 2
     failed = False
@@ -59,11 +67,11 @@ def main() -> int:
     return int(failed)
 
 
-def _missing() -> str:
+def _missing(*, of_pypi: bool) -> str:
     """Say what this machine lacks; empty if nothing."""
-    if platform.machine() != "x86_64":
+    if of_pypi and platform.machine() != "x86_64":
         return f"PyPI has the wheels of ROS 2 for x86_64 only, and this machine is {platform.machine()}"
-    if not (3, 10) <= sys.version_info[:2] <= (3, 13):
+    if of_pypi and not (3, 10) <= sys.version_info[:2] <= (3, 13):
         return f"PyPI has the wheels of ROS 2 for Python 3.10 to 3.13, and this is {platform.python_version()}"
     packages = [] if shutil.which("g++") and shutil.which("make") else ["g++", "make"]
     if not Path(sysconfig.get_path("include"), "Python.h").is_file():
@@ -78,8 +86,9 @@ def prepare(distribution: str) -> None:
     """Make a distribution's environment and interface packages, unless they are there."""
     folder = ENVIRONMENTS / distribution
     products = [ROOT / folder / "pyproject.toml" for folder in ("", "rover", "check_launch")]
-    pins = [*products, HERE / "tools.txt", HERE / f"{distribution}.txt"]
-    _once(folder / "installed", f"{sys.version} {_checksum(pins)}", lambda: _install(distribution, folder))
+    pins = [*products, HERE / "tools.txt", HERE / _requirements(distribution)]
+    shell = os.environ.get("AMENT_PREFIX_PATH", "") if distribution == SOURCED else ""
+    _once(folder / "installed", f"{sys.version} {shell} {_checksum(pins)}", lambda: _install(distribution, folder))
     folders = (COMMS, INTERFACES, TEMPLATE)
     made = [ROOT / "tests" / "asking.py", *(ROOT / "templates").glob("*.j2")]  # the package of the table with requests
     sources = _checksum([*made, *(path for one in folders for path in one.rglob("*") if path.is_file())])
@@ -101,14 +110,19 @@ def _checksum(files: Iterable[Path]) -> str:
     return whole.hexdigest()
 
 
+def _requirements(distribution: str) -> str:
+    return "tools.txt" if distribution == SOURCED else f"{distribution}.txt"
+
+
 def _install(distribution: str, folder: Path) -> None:
     where = folder.relative_to(ROOT)
-    print(f"installing ROS 2 {distribution} from PyPI in {where}; the first time, this can take minutes", flush=True)
-    venv.create(folder, clear=True, with_pip=True)
+    print(f"installing what ROS 2 {distribution} needs in {where}; the first time, this can take minutes", flush=True)
+    venv.create(folder, clear=True, with_pip=True, system_site_packages=distribution == SOURCED)
     pip = [folder / "bin" / "python", "-m", "pip", "install", "--disable-pip-version-check"]
-    products = (f".[ros-{distribution},standard,record]", "./rover[detect,fusion,video]", "./check_launch")
+    ros = "" if distribution == SOURCED else f"ros-{distribution},"
+    products = (f".[{ros}standard,record]", "./rover[detect,fusion,video]", "./check_launch")
     editable = [word for product in products for word in ("--editable", product)]
-    subprocess.run([*pip, "--requirement", HERE / f"{distribution}.txt", *editable], cwd=ROOT, check=True)
+    subprocess.run([*pip, "--requirement", HERE / _requirements(distribution), *editable], cwd=ROOT, check=True)
 
 
 def _build(distribution: str, folder: Path) -> None:
@@ -132,7 +146,7 @@ def _build_package(package: Path, distribution: str, folder: Path) -> None:
     build, overlay, python = folder / "build" / package.name, folder / "overlay", folder / "bin" / "python"
     build.mkdir(parents=True)
     settings = {
-        "CMAKE_PREFIX_PATH": folder,
+        "CMAKE_PREFIX_PATH": environment(distribution)["AMENT_PREFIX_PATH"].replace(":", ";"),
         "CMAKE_INSTALL_PREFIX": overlay,
         "BUILD_TESTING": "OFF",
         "Python3_EXECUTABLE": python,
@@ -159,14 +173,18 @@ def environment(distribution: str) -> dict[str, str]:
     folder = ENVIRONMENTS / distribution
     overlay = folder / "overlay"
     modules = next(folder.glob("lib/python3.*")).name
-    return {
-        **os.environ,
-        "ROS_DISTRO": distribution,
-        "AMENT_PREFIX_PATH": f"{overlay}:{folder}",
-        "LD_LIBRARY_PATH": f"{overlay}/lib:{folder}/lib",
+    own = {
+        "AMENT_PREFIX_PATH": f"{overlay}",
+        "LD_LIBRARY_PATH": f"{overlay}/lib",
         "PYTHONPATH": f"{overlay}/lib/{modules}/site-packages",
         "PATH": f"{folder}/bin:{os.environ['PATH']}",
     }
+    if distribution == SOURCED:
+        before = {name: f"{value}:{os.environ[name]}" for name, value in own.items() if os.environ.get(name)}
+        return {**os.environ, **own, **before, "PATH": own["PATH"], **_NO_PLUGINS}
+    own["AMENT_PREFIX_PATH"] += f":{folder}"
+    own["LD_LIBRARY_PATH"] += f":{folder}/lib"
+    return {**os.environ, **own, "ROS_DISTRO": distribution}
 
 
 def run(distribution: str, *arguments: str) -> int:

@@ -44,8 +44,8 @@ def test_the_graph_shows_the_node_and_its_topics(judge: Judge, bridge: Start, mi
             assert shown.qos_profile.reliability is ReliabilityPolicy[qos.reliability.upper()]
             assert shown.qos_profile.durability is DurabilityPolicy[qos.durability.upper()]
             assert (f"{shown.node_namespace}{shown.node_name}" == "/udp_forwarder") is not nameless
-            # Cyclone DDS announces no type hash for the generated classes of standard messages.
-            if middleware == "rclpy" or handler in REGISTRY.handlers:
+            # Cyclone DDS announces no type hash for the generated classes of standard messages, and Humble knows none.
+            if hasattr(shown, "topic_type_hash") and (middleware == "rclpy" or handler in REGISTRY.handlers):
                 assert str(shown.topic_type_hash) == _hash_of_rosidl(judge, handler)
 
 

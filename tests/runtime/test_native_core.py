@@ -67,7 +67,7 @@ def _options() -> tuple[list[str], list[str]]:
     """The flags of the build, and those with the folders of headers."""
     pytest.importorskip("hatchling")
     build = runpy.run_path(str(_ROOT / "hatch_build.py"))
-    return build["FLAGS"].split(), [f"-I{_ROOT / folder}" for folder in build["INCLUDES"]]
+    return [f"@{_ROOT / build['FLAGS']}"], [f"-I{_ROOT / folder}" for folder in build["INCLUDES"]]
 
 
 def _header() -> str:

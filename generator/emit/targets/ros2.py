@@ -24,6 +24,11 @@ _ADDRESSES = ("listen_address", "listen_port", "dst_ip")
 The parameters with the addresses of peers and boards are also arguments; their names come from the table.
 """
 
+VENDOR = "vendor"
+"""Folder of the package with the runtime and the generated Python code, if the table or an option asks for it."""
+NEEDS = {"python3-protobuf": "3.20", "python3-yaml": "6.0"}
+"""Oldest versions of the packages that the runtime and the generated code need, by rosdep's keys."""
+
 
 def emit(bridge: ir.Bridge) -> Files:
     """Yield the files of the ROS 2 interface package."""
@@ -43,7 +48,8 @@ def emit(bridge: ir.Bridge) -> Files:
         messages=names,
         services=[service.type for service in bridge.services],
         others=others,
-        project="/".join([".."] * (2 + len(bridge.python_package.split(".")))),
+        folder=bridge.folder,
+        vendor=VENDOR,
     )
     name, _, address = bridge.maintainer.partition(" <")
     xml = header(bridge.table, "<!--", " -->")
@@ -53,6 +59,9 @@ def emit(bridge: ir.Bridge) -> Files:
         package=bridge.package,
         maintainer=name,
         address=address.rstrip(">"),
+        version=bridge.version,
+        license=bridge.license,
+        needs=NEEDS,
         others=others,
         spoken=sorted({interface.package for interface in bridge.interfaces} - {*others}),
     )
@@ -69,7 +78,7 @@ def emit(bridge: ir.Bridge) -> Files:
             addresses=_addresses(bridge),
         )
     yield f"{folder}/scripts/{bridge.package}_node.py", render(
-        "node.py.j2", header=comment, registry=f"{bridge.folder}/registry.py"
+        "node.py.j2", header=comment, protobuf=NEEDS["python3-protobuf"]
     )
     yield f"{folder}/config/udp.yaml", render(
         "udp.yaml.j2", header=comment, parameters=_parameters(bridge), addresses=_address_parameters(bridge)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from roverlink.generator.ir.interfaces import Interface, InterfaceConstant, InterfaceField, InterfaceType
 
-DISTRIBUTIONS = ("humble", "jazzy")
+DISTRIBUTIONS = ("humble", "jazzy", "kilted", "lyrical")
 """ROS 2 distributions whose standard messages are known."""
 FILE = Path(__file__).with_name("definitions.txt")
 
@@ -18,15 +18,15 @@ _CONSTANT = re.compile(r"(?P<type>\w+) (?P<name>\w+)=(?P<value>.*)", re.ASCII)
 
 
 class DistributionsDisagreeError(Exception):
-    """Raised for a standard message that differs between Humble and Jazzy; the text names the difference."""
+    """Raised for a standard message that differs between distributions; the text names the difference."""
 
 
 @cache
 def _blocks() -> dict[str, tuple[str, tuple[str, ...]]]:
     """Return the marks and the lines of each message in ``definitions.txt``, by the message's full name.
 
-    The marks name the distributions that have the message: ``@jazzy`` means that only Jazzy has it. They are empty if
-    all distributions have it. A line is a field or a constant, such as ``int32 sec``.
+    The marks name the distributions that have the message: ``@kilted @lyrical`` means that only these two have it. They
+    are empty if all distributions have it. A line is a field or a constant, such as ``int32 sec``.
     """
     return {name: (marks, lines) for name, marks, lines in blocks(FILE.read_text(encoding="utf-8"))}
 
@@ -57,7 +57,7 @@ def interface(name: str, distribution: str) -> Interface | None:
 
     Raises `DistributionsDisagreeError` if ``distribution`` does not have the message. An empty ``distribution`` stands
     for all of them: the error is then raised if one of them does not have the message, or if their fields differ.
-    Constants that only one of them has are left out.
+    Constants that not all of them have are left out.
     """
     if name not in _blocks():
         return None

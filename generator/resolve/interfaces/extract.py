@@ -7,7 +7,7 @@ not need rosbags, whose import alone takes longer than compiling the table. A te
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from roverlink.generator.resolve.interfaces.definitions import DISTRIBUTIONS, FILE
@@ -37,9 +37,21 @@ def _lines(name: str, stores: dict[str, dict[str, Any]]) -> Iterator[str]:
     having = {distribution: store[name] for distribution, store in stores.items() if name in store}
     yield name + _mark([*having])
     parts = {distribution: [*_parts(*definition)] for distribution, definition in having.items()}
-    for part in dict.fromkeys(part for own in parts.values() for part in own):
+    for part in _merged(parts.values()):
         holders = [distribution for distribution, own in parts.items() if part in own]
         yield f"  {part}" + (_mark(holders) if len(holders) < len(parts) else "")
+
+
+def _merged(all_parts: Iterable[list[str]]) -> list[str]:
+    """Return the parts of a message in all distributions, in an order that keeps that of each distribution."""
+    merged: list[str] = []
+    for parts in all_parts:
+        place = 0
+        for part in parts:
+            if part not in merged:
+                merged.insert(place, part)
+            place = merged.index(part) + 1
+    return merged
 
 
 def _mark(distributions: list[str]) -> str:

@@ -56,7 +56,7 @@ class UnknownStandardMessage(Rule, id="STD102"):
 
 
 class DistributionsDisagree(Rule, id="STD103"):
-    """A standard message differs between ROS 2 Humble and Jazzy, and `ros.distro` names neither.
+    """A standard message differs between the distributions of ROS 2, and `ros.distro` names none.
 
     Two machines with different distributions could not exchange the message. If every machine has the same
     distribution, set it with `distro`.

@@ -1,37 +1,46 @@
 #!/usr/bin/env python3
 # Generated from mapping.yaml; do not edit.
 # Regenerate with: roverlink generate
-"""Program for `ros2 run` and the launch file: starts the bridge, like `roverlink run`."""
+"""Program for `ros2 run` and the launch files: starts the bridge, like `roverlink run`.
 
-import os
+Beside it are the folders project, with the generated code, and runtime, with roverlink, if it was vendored.
+"""
+
 import sys
 from pathlib import Path
 
-PROJECT = Path("@PROJECT_FOLDER@")  # CMake replaces this by the folder of the project
-ENVIRONMENT = PROJECT / ".venv"
+FOLDER = (
+    Path(__file__).absolute().parent
+)  # not resolved: with --symlink-install, this file is a link
+PROTOBUF = "3.20"
 
 
 def main() -> int:
-    """Run the bridge with the given arguments. Returns 2 if roverlink cannot be imported."""
+    """Run the bridge with the given arguments. Returns 2 if a package that it needs is missing or too old."""
+    sys.path.insert(0, str(FOLDER / "runtime"))
     try:
+        import google.protobuf
+        import yaml  # noqa: F401  # the first that the bridge imports of it
         from roverlink.__main__ import main as roverlink
     except ImportError as error:
-        python = ENVIRONMENT / "bin" / "python"
-        if python.exists() and Path(sys.prefix) != ENVIRONMENT:
-            os.execv(python, [str(python), *sys.argv])  # noqa: S606  # no shell
+        if error.name == "roverlink":
+            cure = "activate an environment that has roverlink, or run `roverlink generate --vendor-runtime`"
+        else:
+            cure = f"install python3-yaml, and `pip install 'protobuf>={PROTOBUF}'`"
         print(
-            f"cannot import roverlink ({error}); Python:",
-            sys.executable,
-            file=sys.stderr,
+            f"{sys.executable} cannot run the bridge ({error}): {cure}", file=sys.stderr
         )
+        return 2
+    version = google.protobuf.__version__
+    if [int(part) for part in version.split(".")[:2]] < [
+        int(part) for part in PROTOBUF.split(".")
+    ]:
         print(
-            "activate an environment that has it, or install its wheel in .venv of the project",
+            f"protobuf {version} is too old: `pip install 'protobuf>={PROTOBUF}'`",
             file=sys.stderr,
         )
         return 2
-    here = (PROJECT / "generated/registry.py").is_file()
-    project = ["--project", str(PROJECT)] if here else []
-    return roverlink(["run", *project, *sys.argv[1:]])
+    return roverlink(["run", "--project", str(FOLDER / "project"), *sys.argv[1:]])
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@ The moved text differs from protoc's output in these points:
 - The module name that protoc passes to ``BuildTopDescriptorsAndMessages`` gets the same prefix; it becomes the
   ``__module__`` of the classes.
 - protoc's stubs (.pyi) do not allow a number for an enum field, although protobuf accepts it; `int` is added.
+- protoc's modules refuse a protobuf that is older than protoc. They only hand a serialized descriptor to a function
+  that protobuf has since 3.20, so the check is left out; another package may then choose an older protobuf.
 - If a message has a field whose name is a Python keyword, protoc's stubs declare ``**kwargs`` without a type; the type
   `object` is added.
 """
@@ -20,6 +22,11 @@ from roverlink.generator.emit.render import Files, header
 
 # In modules and stubs: `from a.b import x_pb2 as ...`, and `import x_pb2 as ...` for a file in the proto root.
 _IMPORT = re.compile(r"^(from (?!google\.protobuf)(?P<package>[\w.]+) import|import) (?=\w+_pb2\b)", re.MULTILINE)
+_VERSION_CHECK = re.compile(
+    r"^from google\.protobuf import runtime_version as _runtime_version\n"
+    r"|^_runtime_version\.ValidateProtobufRuntimeVersion\(.*?^\)\n",
+    re.MULTILINE | re.DOTALL,
+)
 # protoc writes an `import public` as `from a.x_pb2 import *`.
 _STAR_IMPORT = re.compile(r"^from (?!google\.protobuf)(?P<module>[\w.]+_pb2) import", re.MULTILINE)
 _MODULE_NAME = re.compile(r"(?<=BuildTopDescriptorsAndMessages\(DESCRIPTOR, ')")
@@ -42,6 +49,7 @@ def emit(bridge: ir.Bridge) -> Files:
 
 
 def _moved(text: str, pb2: str) -> str:
+    text = _VERSION_CHECK.sub("", text)
     text = _STAR_IMPORT.sub(lambda match: f"from {pb2}.{match['module']} import", text)
     text = _IMPORT.sub(lambda match: f"from {'.'.join(filter(None, [pb2, match['package']]))} import ", text)
     text = _MODULE_NAME.sub(f"{pb2}.", text)

@@ -109,7 +109,7 @@ def texts() -> Iterator[tuple[Path, str]]:
 
 
 def _interfaces() -> list[Interface]:
-    # Jazzy has all constants of Humble, and the fields of these messages are the same.
+    # The newest distribution has all constants of the others, and the fields of these messages are the same.
     newest = DISTRIBUTIONS[-1]
     known = [found for name in (*OF_THE_RUNTIME, *_NODE) if (found := interface(name, newest))]
     kinds = interface(_KINDS, newest)
