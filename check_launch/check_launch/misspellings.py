@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from difflib import SequenceMatcher, get_close_matches
 
+_DIGIT = re.compile(r"\d")
 _TIE = 0.03
 """Names whose similarities differ by less are equally likely."""
 _SHORT = 8
@@ -33,6 +35,12 @@ def did_you_mean(names: str | Sequence[str], otherwise: str = "") -> str:
 def is_misspelling(name: str, other: str) -> bool:
     """Return true if a name is another one with a letter or two wrong."""
     return name != other and is_near(name, other, 1 if min(len(name), len(other)) < _SHORT else 2)
+
+
+def misspelt(name: str, known: Iterable[str]) -> list[str]:
+    """Return the known names of which a name is a misspelling; names with other numbers are other names."""
+    shape = _DIGIT.sub("0", name)
+    return sorted({other for other in known if is_misspelling(name, other) and _DIGIT.sub("0", other) != shape})
 
 
 def is_near(a: str, b: str, most: int) -> bool:

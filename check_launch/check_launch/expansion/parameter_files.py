@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 KEY = "ros__parameters"
+_ALIAS = re.compile(r"(?:^|[\s\[{,:-])\*[\w-]", re.MULTILINE)
+"""What may be an alias; ``/**`` is none."""
 _FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 
@@ -70,9 +73,10 @@ class ParameterFile:
 
     def __init__(self, path: Path, shown: str) -> None:
         """Read the file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
-        self._root, self._shown = compose(text_of_file(path, shown), shown), shown
-        self.without_value = next(_without_value(self._root, shown, False), None)
-        """First parameter without a value, which ROS 2 refuses."""
+        text = text_of_file(path, shown)
+        self._root, self._shown = compose(text, shown), shown
+        self.refused = next(chain(_refusals(self._root, shown, False), _aliases(text, shown)), None)
+        """First message and place of what rcl_yaml_param_parser refuses; a program that rewrites the file removes it."""
         self._with_substitutions = list(dict.fromkeys(_with_substitutions(self._root)))
         self._sections: dict[tuple[str | None, ...], list[Section]] = {}
 
@@ -107,12 +111,26 @@ def _with_substitutions(node: yaml.Node | None) -> Iterator[str]:
         yield node.value
 
 
-def _without_value(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterator[tuple[str, Span]]:
-    """Yield the names and places of parameters without a value (``No value at line`` of rcl_yaml_param_parser)."""
+def _refusals(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterator[tuple[str, Span]]:
+    """Yield messages and places of parameters without a value, and of lists with mappings in them.
+
+    rcl_yaml_param_parser says ``No value at line`` and ``Sequences can only be values and not keys``.
+    """
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
         if in_parameters and isinstance(value, yaml.ScalarNode) and value.value == "" and not value.style:
-            yield str(key.value), place_of(key, shown)
-        yield from _without_value(value, shown, in_parameters or key.value == KEY)
+            yield f"the parameter '{key.value}' has no value", place_of(key, shown)
+        if isinstance(value, yaml.SequenceNode) and any(isinstance(part, yaml.MappingNode) for part in value.value):
+            yield f"'{key.value}' is a list of mappings, which ROS 2 does not read as a parameter", place_of(key, shown)
+        yield from _refusals(value, shown, in_parameters or key.value == KEY)
+
+
+def _aliases(text: str, shown: str) -> Iterator[tuple[str, Span]]:
+    """Yield messages and places of aliases (``Will not support aliasing`` of rcl_yaml_param_parser)."""
+    for event in yaml.parse(text, Loader=yaml.SafeLoader) if _ALIAS.search(text) else ():
+        if isinstance(event, yaml.AliasEvent):
+            mark = event.start_mark
+            message = f"ROS 2 reads no aliases in parameter files: write the values of '*{event.anchor}' here"
+            yield message, Span(shown, mark.line + 1, mark.column + 1)
 
 
 def is_parameter_file(path: Path) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import sys
 import traceback
 import warnings
@@ -24,6 +25,7 @@ from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 _FUNCTION = "generate_launch_description"
+_RAISE = re.compile(r"(?:^|[:;]\s*)raise\b")
 
 
 class NeedsMoreError(Exception):
@@ -78,6 +80,11 @@ class PythonFile:
         """Yield the modules that the file has imported, and that are not there, each with its place."""
         for name, line in self._missing.items():
             yield name, Span(self._shown, line)
+
+    @property
+    def absent(self) -> Mapping[str, Span]:
+        """Packages whose share folders the file has asked for, and that are not there, with the places."""
+        return self._stand_ins.absent
 
     @contextmanager
     def _running(self) -> Iterator[None]:
@@ -137,7 +144,7 @@ class PythonFile:
         """Return true if code of the workspace refuses values of arguments, or what it finds on this computer."""
         last = traceback.extract_tb(error.__traceback__)[-1]
         is_own = last.filename == str(self._path) or self._packages.holds(last.filename)
-        return is_own and (last.line or "").startswith(("raise ", "sys.exit", "exit("))
+        return isinstance(error, SystemExit) or (is_own and _RAISE.search(last.line or "") is not None)
 
     def _place(self, error: BaseException) -> Span:
         frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(self._path)]

@@ -18,7 +18,7 @@ from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.parameter_files import NoParametersError, ParameterFile, is_parameter_file
 from check_launch.expansion.python_files import is_launch_program
 from check_launch.expansion.source_trees import source_folders
-from check_launch.misspellings import did_you_mean, is_misspelling
+from check_launch.misspellings import did_you_mean, misspelt
 from check_launch.rules.frame_findings import frame_findings
 from check_launch.rules.launch_rules import (
     MisspeltPackage,
@@ -182,19 +182,18 @@ class Checker:
         yield from expansion.findings
         for name, place in expansion.undeclared:
             yield UndeclaredArgument.at(place, f"the argument '{name}' is not declared", "declare it with `arg`")
-        for package, place in expansion.skipped.items():
-            yield self._of_skipped(package, place)
+        for package, place in {**expansion.absent, **expansion.skipped}.items():
+            known = {*self._catalogue.packages, *expansion.dependencies}
+            if package not in known and (near := misspelt(package, known)):
+                yield MisspeltPackage.at(place, f"unknown package '{package}'", did_you_mean(near))
+            elif package in expansion.skipped:
+                message = f"the launch files of '{package}' are not here; what they start is not checked"
+                yield NotExpanded.at(place, message)
         yield from system.findings
         yield from parameter_findings(system, variants)
         yield from node_findings(system)
         yield from topic_findings(system, variants, self._known, complete)
         yield from frame_findings(system, complete)
-
-    def _of_skipped(self, package: str, place: Span) -> Diagnostic:
-        near = sorted(name for name in self._catalogue.packages if is_misspelling(package, name))
-        if near and package not in self._catalogue.packages:
-            return MisspeltPackage.at(place, f"unknown package '{package}'", did_you_mean(near))
-        return NotExpanded.at(place, f"the launch files of '{package}' are not here; what they start is not checked")
 
 
 def _loaders(parameter_file: Path) -> Iterator[Path]:
@@ -238,7 +237,7 @@ def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     # The first finding stays: one that says what to write.
     for finding in sorted(findings, key=lambda finding: not finding.help):
         family = finding.rule.id if finding.rule.id not in ("PAR101", "PAR102") else "PAR"
-        is_one = family in ("PAR", "TOP101") or finding.rule is TopicFromOutside  # whatever the names of the nodes are
+        is_one = family in ("PAR", "PAR103", "TOP101") or finding.rule is TopicFromOutside  # whatever the names of the nodes are
         text = "" if is_one else finding.message.partition(" (with ")[0]
         key = (family, finding.span, text) if finding.span.line else (family, finding.span, finding.message)
         if key not in seen:

@@ -20,6 +20,8 @@ _LIST = re.compile(r"\{([^{}#*]+)\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
 _NUMBER = r"(0|[1-9]\d*)"
 _ANY_NAME = r"[^.]+"
+_MOST_PLUGINS = 200
+"""Longest list of plugins that is followed; behind a longer one, anything is possible."""
 _STAMPED = "enable_stamped_cmd_vel"
 _VELOCITIES = {"geometry_msgs/msg/Twist": False, "geometry_msgs/msg/TwistStamped": True}
 """Types of velocities, and whether they have a stamp."""
@@ -240,7 +242,7 @@ class ParameterView:
             self._load(LoadedPlugin(slot, prefix.rstrip("."), type_, place), prefix, prefix, seen)
             return
         names = self.names(full)
-        if names is None:
+        if names is None or len(names) > _MOST_PLUGINS:
             self.open.append(prefix)
             return
         if full in self.given:

@@ -32,6 +32,8 @@ _OF_LIBRARIES = re.compile(
 )
 """Parameters that the client libraries, diagnostic_updater and the publishers of image_transport declare."""
 _TYPES: dict[str, type | tuple[type, ...]] = {"bool": bool, "integer": int, "double": float, "string": str}
+_MOST_UNKNOWN = 200
+"""Unknown parameters of a node that are reported one by one: each search for the likely name takes milliseconds."""
 _SAME_PART, _SAME_NAME = 0.84, 0.85
 """Similarities from which the last part of a name, or a whole name, is likely a misspelling of another one."""
 _SPELLED = {
@@ -94,6 +96,7 @@ def view_findings(
     is_unsure = view.has_unknown or (view.is_partial and system is not None)
     for finding in _of_plugins(view):
         yield as_hint(finding) if view.is_partial and system is not None else finding
+    unknown: list[GivenValue] = []
     for given in view.given.values():
         if (given.name, given.place) in without:
             continue
@@ -101,9 +104,15 @@ def view_findings(
         if parameter is not None:
             yield from _wrong_value(given, parameter)
         elif not view.is_open(given.name) and not _OF_LIBRARIES.fullmatch(given.name):
-            near = any(is_misspelling(given.name, name) for name in view.exact)
-            finding = _unknown(given, shown, view, system)
-            yield as_hint(finding) if is_unsure and not near else finding
+            unknown.append(given)
+    for given in unknown[:_MOST_UNKNOWN]:
+        near = any(is_misspelling(given.name, name) for name in view.exact)
+        finding = _unknown(given, shown, view, system)
+        yield as_hint(finding) if is_unsure and not near else finding
+    if rest := unknown[_MOST_UNKNOWN:]:
+        message = f"{shown} has no parameter '{rest[0].name}', and none of {len(rest) - 1} more"
+        finding = UnknownParameter.at(rest[0].place, message)
+        yield as_hint(finding) if is_unsure else finding
     yield from _of_axes(view)
     for finding in value_findings(view):
         yield as_hint(finding) if view.is_partial and system is not None else finding
