@@ -158,6 +158,8 @@ class Expansion:
     """Packages whose share folders are used, and that are not there, with the places of their use."""
     dependencies: set[str] = field(default_factory=set)
     """Packages that the manifests of the launch files' packages name."""
+    included: set[str] = field(default_factory=set)
+    """Paths of the launch files that were expanded to their end."""
     unevaluated: set[str] = field(default_factory=set)
     """Paths of launch files whose actions are not known, or not all of them."""
 
@@ -254,14 +256,11 @@ class Expander:
             self._python[path] = PythonFile(Path(path), self._shown(path), self._packages, self.environment)
         return self._python[path]
 
-    def sections(self, path: str, text_of: Callable[[str], str | None] | None) -> list[Section]:
-        """Return the sections of a parameter file; ``text_of`` replaces substitutions, if the file may have them.
-
-        Raises `UnreadableFileError`.
-        """
+    def sections(self, path: str, text_of: Callable[[str], str | None] | None, of_component: bool) -> list[Section]:
+        """Return the sections of a parameter file (see `ParameterFile.sections`). Raises `UnreadableFileError`."""
         if path not in self._parameter_files:
             self._parameter_files[path] = ParameterFile(Path(path), self._shown(path))
-        return self._parameter_files[path].sections(text_of)
+        return self._parameter_files[path].sections(text_of, of_component)
 
     def refused(self, path: str) -> tuple[str, Span] | None:
         """Return message and place of what ROS 2 refuses in a parameter file whose sections were read."""
@@ -270,6 +269,10 @@ class Expander:
     def stored(self, package: str, path: str) -> Any:
         """Return the description of a launch file that is not there; None if there is none."""
         return self._stored.get((package, path))
+
+    def stored_files(self, package: str) -> list[str]:
+        """Return the paths of the launch files of a package that have descriptions."""
+        return [path for name, path in self._stored if name == package]
 
     def shown(self, path: str) -> str:
         """Return the name of a file in messages."""
@@ -290,6 +293,7 @@ class _Run:
         self._depth = self._includes = 0
         self._skips = 0  # includes of files that are not here
         self._path = ""  # path of the launch file whose actions are expanded
+        self._included_at = Span("")  # place of the include of that file
 
     def include(self, path: str, place: Span) -> None:
         """Expand the actions of a launch file."""
@@ -299,14 +303,15 @@ class _Run:
             raise UnreadableFileError(place, "launch files include each other without end")
         if self._includes > _MOST_INCLUDES:
             raise EndlessExpansionError(place, f"launch files are included more than {_MOST_INCLUDES} times")
-        before, self._path = self._path, path
+        before, self._path, self._included_at = (self._path, self._included_at), path, place
         try:
             actions, findings = self._actions(path, place)
             self.result.findings += findings
             self.result.dependencies |= self.context.packages.dependencies(path)
             self._run(actions)
+            self.result.included.add(path)
         finally:
-            self._path = before
+            self._path, self._included_at = before
             self._depth -= 1
 
     def _actions(self, path: str, place: Span) -> tuple[list[Action], list[Diagnostic]]:
@@ -316,7 +321,9 @@ class _Run:
             if stored is None:
                 self._skips += 1
                 self.result.skipped.setdefault(package, place)
-                return [], []
+                near = nearest(inner, self._expander.stored_files(package), 0.8)
+                message = f"the package '{package}' has no launch file '{inner}'"
+                return [], [UnreadableLaunchFile.at(place, message, did_you_mean(near))] if near else []
             return actions_of_stored(stored, place), []
         try:
             actions, findings = self._expander.actions(path)
@@ -434,6 +441,10 @@ class _Run:
             return
         default = self._text(action.default) if action.default is not None else None
         self.result.declared.setdefault(name, Declared(name, default, action.choices, action.place))
+        is_needed = action.default is None and action.condition is None and not package_of_share(self._path)
+        if is_needed and self._depth > 1 and name not in self.context.configurations:
+            message = f"the included launch file needs the argument '{name}', which has no value"
+            self._report(UndeclaredArgument, self._included_at, message)
         value = self.context.configurations.setdefault(name, default)
         if action.choices and value is not None and value not in action.choices:
             known = ", ".join(action.choices)
@@ -556,7 +567,7 @@ class _Run:
         for given in action.parameters:
             if isinstance(given, GivenParameter):
                 values += self._values(given.name, given.value, given.place, given.is_text)
-            elif use := self._file(given):
+            elif use := self._file(given, of_component=bool(action.plugin)):
                 files.append(use)
             else:
                 has_unknown_files = True
@@ -608,7 +619,7 @@ class _Run:
     def _check_names(
         self, action: StartNode, name: str | None, namespace: str | None, remappings: Iterable[StartedRemapping]
     ) -> None:
-        """Report names that ROS 2 refuses (rmw/validate_node_name.h and validate_namespace.h, rcl/validate_topic_name.h)."""
+        """Report names that ROS 2 refuses (rmw/validate_node_name.h and validate_namespace.h, rcl/remap.h)."""
         names = [("node", name, _WRONG_NODE, action.place), ("namespace", namespace, _WRONG_TOPIC, action.place)]
         names += [("topic", rule.target, _WRONG_TOPIC, rule.target_place) for rule in remappings]
         for kind, text, wrong, place in names:
@@ -642,7 +653,7 @@ class _Run:
             return UNKNOWN
         return text if is_text or not text else typed(text)  # also a text of a YAML or XML launch file
 
-    def _file(self, given: GivenFile) -> FileUse | None:
+    def _file(self, given: GivenFile, of_component: bool = False) -> FileUse | None:
         text = self._path_of_file(given.path)
         if not text:
             return None
@@ -664,13 +675,16 @@ class _Run:
             self._report(MissingFile, given.place, f"the parameter file {missing_file} is not there")
             return None
         try:
-            sections = self._expander.sections(path, self._file_text if given.has_substitutions else None)
+            text_of = self._file_text if given.has_substitutions else None
+            sections = self._expander.sections(path, text_of, of_component)
         except UnreadableFileError as error:
             place = error.place if error.place.line else given.place
             self._report(UnreadableLaunchFile, place, str(error) if error.place.line else f"{shown}: {error}")
             return None
+        if self.context.packages.is_temporary(path):  # made by the launch file, and with another name each time
+            shown, sections = self._expander.shown(self._path), [section.at(given.place) for section in sections]
         refused = self._expander.refused(path)
-        if refused and given.rewrites is None:
+        if refused and given.rewrites is None and not of_component:
             self._report(UnreadableLaunchFile, refused[1], refused[0])
         rewrites: dict[str, Any] = {}
         for name, value in (given.rewrites or {}).items():

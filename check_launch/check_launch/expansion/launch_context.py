@@ -57,6 +57,10 @@ class Packages:
         """Return true for a path below the folders in which packages are searched."""
         return any(Path(path).is_relative_to(top) for top in self._tops)
 
+    def is_temporary(self, path: str) -> bool:
+        """Return true for a file in the folder for temporary files, unless the checked packages are there."""
+        return Path(path).is_relative_to("/tmp") and not self.holds(path)  # noqa: S108  # only compared
+
     def python_folder(self, package: str) -> Path | None:
         """Return the folder from which the Python package of a ROS 2 package can be imported; None if there is none."""
         if package not in self.folders:

@@ -41,7 +41,7 @@ from check_launch.expansion.actions import (
     StartNode,
 )
 from check_launch.expansion.entities import UnreadableFileError, compose
-from check_launch.expansion.launch_context import Context, Packages, package_of_share
+from check_launch.expansion.launch_context import UNKNOWN_SHARE, Context, Packages, package_of_share
 from check_launch.expansion.launch_imports import Ignored
 from check_launch.expansion.substitutions import Substitution, UnknownTextError, is_true, text_of
 from check_launch.misspellings import nearest
@@ -58,6 +58,13 @@ _OF_PROGRAM = (*_OF_NODE, "exec_name", *_OF_PROCESS)
 """Keyword arguments of ComposableNode, of Node, and of the actions below Node (launch, launch_ros)."""
 
 
+_OF_MOVEIT = (
+    *("demo", "move_group", "moveit_rviz", "rsp", "setup_assistant", "spawn_controllers", "static_virtual_joint_tfs"),
+    "warehouse_db",
+)
+"""Launch files that moveit_configs_utils generates (moveit_configs_utils/launches.py)."""
+
+
 class LaunchDescription:
     """Result of a launch file: a list of actions."""
 
@@ -69,6 +76,11 @@ class LaunchDescription:
         self.entities.append(action)
 
     add_entity = add_action
+
+    def get_launch_arguments(self, conditional_inclusion: bool = False) -> list[Any]:
+        """Return the declarations of arguments."""
+        del conditional_inclusion
+        return [entity for entity in self.entities if isinstance(entity, DeclareArgument)]
 
 
 class IfCondition:
@@ -311,7 +323,7 @@ class StandIns:
             "RosTimer": self._timer,
         }
         descriptions = {
-            "ComposableNode": lambda **options: ComposableNode(self._node(known=_OF_COMPONENT, **options)),
+            "ComposableNode": self._component,
             "ParameterValue": ParameterValue,
             "ParameterFile": ParameterFile,
             "Parameter": lambda name, value, value_type=None: {name: ParameterValue(value, value_type)},
@@ -357,6 +369,8 @@ class StandIns:
                 stand_in.__name__: stand_in
                 for stand_in in (RewrittenYaml, ReplaceString, HasNodeParams, ParseMultiRobotPose)
             },
+            "moveit_configs_utils": {},
+            "moveit_configs_utils.launches": {f"generate_{name}_launch": self._of_moveit for name in _OF_MOVEIT},
             "ament_index_python": found,
             "ament_index_python.packages": found,
         }
@@ -375,7 +389,7 @@ class StandIns:
 
     def _share(self, package: str) -> str:
         found = self._packages.share(package)
-        if package_of_share(found):
+        if package_of_share(found) and isinstance(package, str):  # not `Ignored`
             self.absent.setdefault(package, self._file.place_of(package, self.place()))
         return found
 
@@ -405,6 +419,10 @@ class StandIns:
         arguments = [(name, value, self._file.place_of(name, place)) for name, value in launch_arguments or ()]
         return _with(Include(place, None, launch_description_source, arguments), options, "launch_arguments")
 
+    def _of_moveit(self, *_: Any, **__: Any) -> LaunchDescription:
+        """Return what a function of moveit_configs_utils starts: an unknown launch file of this package."""
+        return LaunchDescription([Include(self.place(), None, f"{UNKNOWN_SHARE}moveit_configs_utils/launches.py")])
+
     def _execute(self, *, cmd: Any = (), **options: Any) -> Action:
         return _with(Execute(self.place(), None, _words("cmd", cmd)), options, "cmd", "name", *_OF_PROCESS)
 
@@ -431,7 +449,6 @@ class StandIns:
         remappings: Any = None,
         arguments: Any = None,
         ros_arguments: Any = None,
-        known: Iterable[str] = _OF_PROGRAM,
         **options: Any,
     ) -> StartNode:
         place = self.place()
@@ -453,7 +470,11 @@ class StandIns:
             _words("arguments", arguments),
             _words("ros_arguments", ros_arguments),
         )
-        return _with(action, options, *known)
+        return _with(action, options, *_OF_PROGRAM)
+
+    def _component(self, **options: Any) -> ComposableNode:
+        node = self._node(**{name: option for name, option in options.items() if name in _OF_NODE or name == "plugin"})
+        return ComposableNode(_with(node, options, *_OF_COMPONENT))
 
     def _given(self, given: Any, place: Span) -> Iterable[GivenParameter | GivenFile]:
         if isinstance(given, Mapping):
@@ -519,6 +540,8 @@ def _with(action: Made, options: Mapping[str, Any], *known: str) -> Made:
     condition = options.get("condition")
     if isinstance(condition, IfCondition):
         action.condition = condition.wanted, condition.expression
+    elif not isinstance(condition, Ignored | None):
+        raise TypeError(f"'condition' is a {type(condition).__name__}: write IfCondition(...)")
     names = ("condition", *known)
     action.unknown_options = {name: nearest(name, names) for name in options if name not in names}
     return action
@@ -542,6 +565,8 @@ def _actions(values: Iterable[Any]) -> list[Action]:
             found.append(value)
         elif isinstance(value, LaunchDescription):
             found += _actions(value.entities)
+        elif isinstance(value, str | list | tuple | None) and not real_launch.is_installed():
+            raise TypeError(f"{'None' if value is None else f'a {type(value).__name__}'} stands in place of an action")
     return found
 
 

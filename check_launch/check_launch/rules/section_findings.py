@@ -69,7 +69,7 @@ class Sections:
     def findings(self) -> Iterator[Diagnostic]:
         """Yield findings about the sections of all files that launch files give to nodes."""
         for (shown, _, _), loaded in self._loaded.items():
-            yield from _of_file(loaded.section)
+            yield from _of_file(loaded.section, any(not node.started.plugin for node in loaded.nodes.values()))
             if not loaded.is_read:
                 yield from self._unread(loaded.section, shown, list(loaded.nodes.values()))
 
@@ -109,9 +109,10 @@ class Sections:
         if node.facts is None:
             return is_alone and section.node_name not in self._classes
         usual = self._classes.get(section.node_name)
-        if usual is not None:
-            return usual.name == node.facts.name
-        return self._fits(section.values, node.facts) >= _ENOUGH
+        if usual is not None and usual.name == node.facts.name:
+            return True
+        is_other = usual is not None and usual.name.rpartition("::")[0] != node.facts.name.rpartition("::")[0]
+        return not is_other and self._fits(section.values, node.facts) >= _ENOUGH
 
     def standalone(self, sections: Iterable[Section], shown: str, is_unused: bool) -> Iterator[Diagnostic]:
         """Yield findings about the sections of a file that no launch file of the check gives to a node.
@@ -176,8 +177,8 @@ def _by_name(catalogue: Catalogue) -> dict[str, NodeClass]:
     return found
 
 
-def _of_file(section: Section) -> Iterator[Diagnostic]:
-    """Yield findings that hold whatever node reads a section."""
+def _of_file(section: Section, is_of_program: bool = True) -> Iterator[Diagnostic]:
+    """Yield findings that hold whatever node reads a section; ``is_of_program`` if one is not in a container."""
     seen: dict[str, Span] = {}
     for given in section.values:
         if given.name in seen:
@@ -185,8 +186,10 @@ def _of_file(section: Section) -> Iterator[Diagnostic]:
             yield RepeatedParameter.at(seen[given.name], message)
         seen[given.name] = given.place
         # `Sequence should be of same type` and `Sequences cannot be nested` of rcl_yaml_param_parser
-        kinds = {type(item) for item in given.value} if isinstance(given.value, list) else set()
+        kinds = {type(item) for item in given.value} if is_of_program and isinstance(given.value, list) else set()
         if len(kinds) > 1 or kinds & {list, dict}:
-            message = f"the list '{given.name}' contains {' and '.join(sorted(_KINDS.get(kind, 'texts') for kind in kinds))}"
+            message = (
+                f"the list '{given.name}' contains {' and '.join(sorted(_KINDS.get(kind, 'texts') for kind in kinds))}"
+            )
             help = f"write {list(map(float, given.value))}" if kinds == {int, float} else ""
             yield WrongType.at(given.place, f"{message}; ROS 2 reads lists of values of one type only", help)
