@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from difflib import SequenceMatcher, get_close_matches
 
+_OF_MANY = re.compile(r"\d|(?<![A-Za-z])[xyz](?![A-Za-z])")
+"""What tells similar things apart: a number, or the letter of an axis."""
 _TIE = 0.03
 """Names whose similarities differ by less are equally likely."""
 _SHORT = 8
@@ -33,6 +36,16 @@ def did_you_mean(names: str | Sequence[str], otherwise: str = "") -> str:
 def is_misspelling(name: str, other: str) -> bool:
     """Return true if a name is another one with a letter or two wrong."""
     return name != other and is_near(name, other, 1 if min(len(name), len(other)) < _SHORT else 2)
+
+
+def is_other_axis(name: str, other: str) -> bool:
+    """Return true if names differ only in the axis or number that they name, such as `origin_y` and `origin_z`."""
+    return _OF_MANY.sub("0", name) == _OF_MANY.sub("0", other)
+
+
+def misspelt(name: str, known: Iterable[str]) -> list[str]:
+    """Return the known names of which a name is a misspelling; names with other numbers or axes are other names."""
+    return sorted({other for other in known if is_misspelling(name, other) and not is_other_axis(name, other)})
 
 
 def is_near(a: str, b: str, most: int) -> bool:

@@ -62,7 +62,7 @@ class _Key:
     is_parameter: bool
 
 
-def _keys(node: yaml.Node, prefix: str, in_parameters: bool) -> Iterator[_Key]:
+def _keys(node: yaml.Node | None, prefix: str, in_parameters: bool) -> Iterator[_Key]:
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
         if key.value == "ros__parameters" or not in_parameters:
             yield from _keys(value, "", in_parameters or key.value == "ros__parameters")
@@ -76,7 +76,7 @@ def _keys(node: yaml.Node, prefix: str, in_parameters: bool) -> Iterator[_Key]:
 
 def _nodes(launch_file: str, catalogue: Catalogue) -> list[RunningNode]:
     """Return the nodes that a launch file starts with different arguments; none twice with the same parameters."""
-    found = {}
+    found: dict[tuple[str, str], RunningNode] = {}
     for arguments in _ARGUMENTS:
         checker = Checker(catalogue, Packages([_ROOT / "rover" / "navigation", _ROOT / "generated" / "ros"]))
         ((_, system),) = checker.check([_ROOT / launch_file], arguments).systems

@@ -363,6 +363,14 @@ def _node(package: str, executable: str, **options: str) -> str:
     return f"  - node: {{pkg: {package}, exec: {executable}{more}}}\n"
 
 
+_PYTHON = """
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+from launch_ros.actions import LoadComposableNodes, Node
+from launch_ros.descriptions import ComposableNode
+def generate_launch_description():
+    return LaunchDescription([%s])
+"""
 _INCLUDE = """
 from launch import LaunchDescription
 from launch.actions import IncludeLaunchDescription
@@ -487,6 +495,72 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "",
         ["error LCH103 did you mean 'name'?"],
     ),
+    "a keyword argument that no declaration has": (
+        _PYTHON % "DeclareLaunchArgument('a', default='1')",
+        "",
+        ["error LCH103 did you mean 'default_value'?"],
+    ),
+    "arguments of a launch file that are no pairs": (
+        _PYTHON % "IncludeLaunchDescription('a.launch.py', launch_arguments={'a': '1'})",
+        "",
+        ["fatal LCH101"],
+    ),
+    "parameters that are no list": (_PYTHON % "Node(package='a', executable='b', parameters={})", "", ["fatal LCH101"]),
+    "a number as a word of a command line": (
+        _PYTHON % "Node(package='a', executable='b', arguments=[0])",
+        "",
+        ["fatal LCH101"],
+    ),
+    "a list in place of an action": (_PYTHON % "[Node(package='a', executable='b')]", "", ["fatal LCH101"]),
+    "a name that ROS 2 refuses": (
+        _node("rviz2", "rviz2", name="my-rviz", param=""),
+        "",
+        ["error LCH112 write 'my_rviz'"],
+    ),
+    "elements of ROS 1": (
+        "  - remap: {from: a, to: b}\n  - node: {pkg: rviz2, type: rviz2, params: [{name: a}]}\n",
+        "",
+        ["error LCH103 did you mean 'set_remap'?", "error LCH103", "error LCH108", "error LCH103", "error LCH103"],
+    ),
+    "an alias": (
+        _node("robot_localization", "ekf_node", name="ekf"),
+        _parameters("ekf", "frequency: &f 30.0", "sensor_timeout: *f"),
+        ["fatal LCH101"],
+    ),
+    "numbers of two types in a list": (
+        _node("my_rover", "driver", name="driver"),
+        _parameters("driver", "gains: [1, 0.5]"),
+        ["hint LCH106", "error PAR103 write [1.0, 0.5]"],
+    ),
+    "a file without sections for a node in a container": (
+        _PYTHON % "LoadComposableNodes(target_container='c', composable_node_descriptions=[ComposableNode("
+        "package='nav2_amcl', plugin='nav2_amcl::AmclNode', name='amcl', parameters=['p.yaml'])])",
+        "alpha1: &a [0.2, 1]\n",
+        ["error PAR103"],
+    ),
+    "a name that the command line gives": (
+        "  - node:\n      pkg: robot_localization\n      exec: ekf_node\n"
+        "      args: --ros-args -r __node:=ekf -p frequncy:=1.0\n"
+        "      param: [{from: $(dirname)/p.yaml}]\n",
+        _parameters("ekf_filter_node", "frequency: 30.0"),
+        ["warning PAR105 did you mean 'ekf'?", "warning PAR101 did you mean 'frequency'?"],
+    ),
+    "a value that only the code names": (
+        "",
+        _parameters("velocity_smoother", "feedback: CLOSED"),
+        ["error PAR104 did you mean 'CLOSED_LOOP'?"],
+    ),
+    "a controller that is spelled wrongly": (
+        _node("controller_manager", "ros2_control_node")
+        + "  - node: {pkg: controller_manager, exec: spawner, args: dive}\n",
+        _parameters("controller_manager", "drive: {type: diff_drive_controller/DiffDriveController}"),
+        ["error LCH109 did you mean 'drive'?"],
+    ),
+    "an argument without a value": (
+        "  - include: {file: $(dirname)/p.yaml}\n",
+        "launch:\n  - arg: {name: map}\n",
+        ["error LCH104"],
+    ),
     "nothing in place of a description": ("def generate_launch_description():\n    pass\n", "", ["fatal LCH101"]),
     # What is not known is not absent.
     "a node of another package with a usual name": (
@@ -554,6 +628,44 @@ def test_velocities_with_and_without_a_stamp_do_not_fit(write: Write, check: Che
     write({"p.yaml": _parameters("bt_navigator", "plugin_lib_names: [nav2_spin_action_bt_node]")})
     assert check("p.yaml") == (0, [])  # Humble loads what the list names; Jazzy adds it to its own
     assert check("p.yaml", "--distribution", "jazzy")[1] == ["p.yaml:3:5: PLG103 list only libraries of your own"]
+
+
+def test_the_map_of_a_costmap_is_that_of_the_namespace_around_it(write: Write, check: Check) -> None:
+    """Kilted looks for a relative name there, earlier distributions in the costmap's own namespace."""
+    static = "{plugins: [s], s: {plugin: 'nav2_costmap_2d::StaticLayer', map_topic: map}}"
+    write(
+        {
+            "a_launch.yaml": "launch:\n"
+            + _node("nav2_map_server", "map_server", namespace="rover", param="")
+            + _node("nav2_planner", "planner_server", namespace="rover", name="planner_server"),
+            "p.yaml": f"/**/global_costmap:\n  global_costmap:\n    ros__parameters: {static}\n",
+        }
+    )
+    assert not any("TOP102" in line for line in check("a_launch.yaml", "--complete", "--distribution", "kilted")[1])
+    assert any("TOP102" in line for line in check("a_launch.yaml", "--complete", "--distribution", "humble")[1])
+
+
+def test_many_unknown_parameters_are_summed_up(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    """A search for the likely name takes milliseconds: only the first two hundred are reported one by one."""
+    write({"p.yaml": _parameters("ekf_filter_node", "frequency: 30.0", *(f"q{i}: 0.0" for i in range(1000)))})
+    main(["check-launch", "--format", "json", "p.yaml"])
+    messages = [one["message"] for one in json.loads(capsys.readouterr().out)]
+    assert len(messages) == 201
+    assert "and none of 799 more" in messages[-1]
+
+
+def test_a_misspelt_dependency_is_found_wherever_its_folder_is_used(write: Write, check: Check) -> None:
+    """The manifest says which packages exist; one that it names is no misspelling of another one."""
+    node = "launch:\n  - node: {pkg: rviz2, exec: rviz2, args: -d $(find-pkg-share %s)/a}\n"
+    write(
+        {
+            "package.xml": "<package><name>r</name><depend>rover_description</depend></package>",
+            "a_launch.yaml": node % "rover_desription",
+            "b_launch.yaml": node % "rover_description",
+        }
+    )
+    assert check("a_launch.yaml")[1] == ["a_launch.yaml:2:5: LCH107 did you mean 'rover_description'?"]
+    assert check("b_launch.yaml") == (0, [])
 
 
 def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.CaptureFixture[str]) -> None:

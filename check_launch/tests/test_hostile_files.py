@@ -38,6 +38,7 @@ _CASES: Mapping[str, tuple[Mapping[str, str | bytes], str]] = {
     ),
     "asks the user": ({"a.launch.py": _PYTHON + "input()" + _FUNCTION}, "EOFError"),
     "returns nothing": ({"a.launch.py": "def generate_launch_description():\n    pass\n"}, "returns None"),
+    "refuses to go on": ({"a.launch.py": "import sys; sys.exit(1)" + _FUNCTION}, ""),
     "is no launch file, and does not run": ({"a.launch.py": "import no_such_module"}, "has no function"),
     "needs a module": ({"a.launch.py": "import no_such_module\n" + _PYTHON + _FUNCTION}, ""),
     "includes twice, and so on": (

@@ -85,7 +85,7 @@ def test_shipped_launch_files_pass(launch_file: str, project: Project) -> None:
 def _keys(project: Project) -> list[tuple[str, int, int, str]]:
     """Return file, start, end and text of each key of a parameter, and of each name of a node."""
 
-    def walk(node: yaml.Node, in_parameters: bool) -> Iterator[yaml.ScalarNode]:
+    def walk(node: yaml.Node | None, in_parameters: bool) -> Iterator[yaml.ScalarNode]:
         for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
             if key.value == "ros__parameters":
                 yield from walk(value, True)

@@ -51,7 +51,11 @@ class Wheels : public rclcpp::Node {
   Wheels() : Node("wheels") {}
 };
 }
-int main() { rclcpp::spin(std::make_shared<base::Wheels>()); }
+struct Clock {};
+int main() {
+  auto clock = std::make_shared<base::Clock>();
+  rclcpp::spin(std::make_shared<base::Wheels>(clock));
+}
 """,
     "src/base/launch/a.launch.py": """
 from arm.names import EXECUTABLE

@@ -19,6 +19,8 @@ class Action:
     place: Span
     condition: tuple[bool, Text] | None = None
     """The condition's text, and the truth value that it must have."""
+    unknown_options: dict[str, str] = field(default_factory=dict, kw_only=True)
+    """Names of keyword arguments that the action does not have, each with the likely one (Python launch files only)."""
 
 
 @dataclass(slots=True)
@@ -114,8 +116,8 @@ class GivenFile:
     has_substitutions: bool = False
     root_key: Text = ""
     """Namespace that is put around the file's nodes (`RewrittenYaml` of nav2_common)."""
-    rewrites: Mapping[str, Text] = field(default_factory=dict)
-    """Values that replace those of the file, by the name of the parameter."""
+    rewrites: Mapping[str, Text] | None = None
+    """Values that replace those of the file, by the name of the parameter; None if nothing rewrites the file."""
 
 
 @dataclass(slots=True)
@@ -142,8 +144,6 @@ class StartNode(Action):
     remappings: list[Remapping] = field(default_factory=list)
     arguments: list[Text] = field(default_factory=list)
     ros_arguments: list[Text] = field(default_factory=list)
-    unknown_options: list[str] = field(default_factory=list)
-    """Names of keyword arguments that no action has (Python launch files only)."""
 
 
 @dataclass(slots=True)

@@ -38,9 +38,9 @@ _OF_PROCESS = frozenset(
     {"output", "respawn", "respawn_delay", "respawn_max_retries", "launch-prefix", "cwd", "shell", "sigterm_timeout"}
     | {"sigkill_timeout", "emulate_tty", "on_exit"}
 )
-_OF_NODE = _OF_PROCESS | {"pkg", "exec", "name", "namespace", "args", "ros_args", "machine"}
+_OF_NODE = _OF_PROCESS | {"pkg", "exec", "exec_name", "name", "namespace", "args", "ros_args"}
 _ATTRIBUTES: Mapping[str, frozenset[str]] = {
-    "arg": frozenset({"name", "default", "description", "value"}),
+    "arg": frozenset({"name", "default", "description"}),
     "let": frozenset({"name", "value"}),
     "set_env": frozenset({"name", "value"}),
     "append_env": frozenset({"name", "value", "prepend", "separator"}),
@@ -73,6 +73,33 @@ _ATTRIBUTES: Mapping[str, frozenset[str]] = {
     "extra_arg": frozenset({"name", "value"}),
 }
 """Attributes of each element (launch and launch_ros of humble and jazzy)."""
+_NEEDED: Mapping[str, tuple[str, ...]] = {
+    "arg": ("name",),
+    "let": ("name", "value"),
+    "set_env": ("name", "value"),
+    "include": ("file",),
+    "push_ros_namespace": ("namespace",),
+    "set_remap": ("from", "to"),
+    "set_parameter": ("name", "value"),
+    "node": ("exec",),
+    "node_container": ("exec", "name", "namespace"),
+    "composable_node": ("pkg", "plugin"),
+    "load_composable_node": ("target",),
+    "executable": ("cmd",),
+}
+"""Attributes without which `ros2 launch` refuses an element."""
+_CHILDREN: Mapping[str, frozenset[str]] = {
+    "arg": frozenset({"choice"}),
+    "include": frozenset({"arg", "let"}),
+    "node": frozenset({"param", "remap", "env"}),
+    "node_container": frozenset({"param", "remap", "env", "composable_node"}),
+    "composable_node": frozenset({"param", "remap", "extra_arg"}),
+    "load_composable_node": frozenset({"composable_node"}),
+    "executable": frozenset({"env"}),
+}
+"""Elements in each element that contains no actions."""
+_FOR_ALL: Mapping[str, str] = {"param": "set_parameter", "remap": "set_remap", "env": "set_env", "rosparam": "param"}
+"""Actions that do for all nodes what an element does in one node, or did in ROS 1."""
 
 
 def read_declarative(path: Path, shown: str) -> tuple[list[Action], list[Diagnostic]]:
@@ -94,8 +121,8 @@ class _Reader:
                 if action is not None:
                     action.condition = self._condition(entity)
                     found.append(action)
-            elif entity.name not in _ATTRIBUTES:
-                help = did_you_mean(nearest(entity.name, _MAKERS))
+            elif entity.name not in _ATTRIBUTES or entity.name in _FOR_ALL:
+                help = did_you_mean(_FOR_ALL.get(entity.name) or nearest(entity.name, _MAKERS))
                 self.findings.append(UnknownAction.at(entity.place, f"unknown action '{entity.name}'", help))
         return found
 
@@ -110,7 +137,15 @@ class _Reader:
                 self.findings.append(
                     UnknownAction.at(attribute.key, message, did_you_mean(nearest(name, sorted(known))))
                 )
+        for name in _NEEDED.get(entity.name, ()):
+            if name not in entity.attributes:
+                self.findings.append(UnknownAction.at(entity.place, f"'{entity.name}' has no '{name}', which it needs"))
+        children = _CHILDREN.get(entity.name)
         for child in entity.children:
+            if children is not None and child.name not in children:
+                message = f"'{entity.name}' can have no '{child.name}'"
+                help = did_you_mean(nearest(child.name, sorted(children)))
+                self.findings.append(UnknownAction.at(child.place, message, help))
             if child.name in ("param", "remap", "env", "keep", "choice", "extra_arg"):
                 self._check_attributes(child)
 
@@ -218,6 +253,8 @@ class _Reader:
             elif name := child.attributes.get("name"):
                 value, is_text = self._parameter_value(child)
                 found.append(GivenParameter(self._text(name), value, name.place, is_text))
+            else:
+                self.findings.append(UnknownAction.at(child.place, "a 'param' needs 'name' or 'from'"))
         return found
 
     def _parameter_value(self, entity: Entity) -> tuple[Any, bool]:

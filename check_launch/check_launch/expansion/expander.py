@@ -44,7 +44,6 @@ from check_launch.expansion.parameter_files import (
     typed,
 )
 from check_launch.expansion.python_files import NeedsMoreError, PythonFile
-from check_launch.expansion.stand_ins import OPTIONS_OF_NODES
 from check_launch.expansion.stored_files import actions_of_stored
 from check_launch.expansion.substitutions import (
     RUN_TIME,
@@ -60,6 +59,7 @@ from check_launch.expansion.substitutions import (
 from check_launch.expansion.written_text import WrongTextError, parse_text
 from check_launch.misspellings import all_nearest, did_you_mean, nearest
 from check_launch.rules.launch_rules import (
+    InvalidName,
     MissingFile,
     NotExpanded,
     UndeclaredArgument,
@@ -76,6 +76,8 @@ _DEEPEST = 30  # includes within includes
 _MOST_INCLUDES = 1000
 _MOST_NODES = 5000
 _MOST_VARIATIONS = 200
+_WRONG_NODE = re.compile(r"[^A-Za-z0-9_]|^\d")
+_WRONG_TOPIC = re.compile(r"[^A-Za-z0-9_/~{}:*\\]|(?:^|/)\d")
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +154,12 @@ class Expansion:
     """Arguments that are used, and that no launch file declares, with the places of their use."""
     skipped: dict[str, Span] = field(default_factory=dict)
     """Packages of which launch files are included, but not there."""
+    absent: dict[str, Span] = field(default_factory=dict)
+    """Packages whose share folders are used, and that are not there, with the places of their use."""
+    dependencies: set[str] = field(default_factory=set)
+    """Packages that the manifests of the launch files' packages name."""
+    included: set[str] = field(default_factory=set)
+    """Paths of the launch files that were expanded to their end."""
     unevaluated: set[str] = field(default_factory=set)
     """Paths of launch files whose actions are not known, or not all of them."""
 
@@ -223,6 +231,7 @@ class Expander:
             place = run.context.place if run.context.place.file else Span(self._shown(file))
             raise UnreadableFileError(place, f"the launch file {reason}") from error
         run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
+        run.result.absent |= run.context.absent
         return run.result
 
     def actions(self, path: str) -> tuple[list[Action], list[Diagnostic]]:
@@ -232,6 +241,10 @@ class Expander:
         if path not in self._declarative:
             self._declarative[path] = read_declarative(Path(path), self._shown(path))
         return self._declarative[path]
+
+    def absent(self, path: str) -> Mapping[str, Span]:
+        """Return the packages that a Python launch file has asked for, and that are not there, each with its place."""
+        return self._python[path].absent if path in self._python else {}
 
     def missing_modules(self, path: str) -> Iterator[tuple[str, Span]]:
         """Yield the modules that a Python launch file has imported, and that are not there, each with its place."""
@@ -243,22 +256,23 @@ class Expander:
             self._python[path] = PythonFile(Path(path), self._shown(path), self._packages, self.environment)
         return self._python[path]
 
-    def sections(self, path: str, text_of: Callable[[str], str | None] | None) -> list[Section]:
-        """Return the sections of a parameter file; ``text_of`` replaces substitutions, if the file may have them.
-
-        Raises `UnreadableFileError`.
-        """
+    def sections(self, path: str, text_of: Callable[[str], str | None] | None, of_component: bool) -> list[Section]:
+        """Return the sections of a parameter file (see `ParameterFile.sections`). Raises `UnreadableFileError`."""
         if path not in self._parameter_files:
             self._parameter_files[path] = ParameterFile(Path(path), self._shown(path))
-        return self._parameter_files[path].sections(text_of)
+        return self._parameter_files[path].sections(text_of, of_component)
 
-    def without_value(self, path: str) -> tuple[str, Span] | None:
-        """Return name and place of a parameter without a value in a parameter file whose sections were read."""
-        return self._parameter_files[path].without_value
+    def refused(self, path: str) -> tuple[str, Span] | None:
+        """Return message and place of what ROS 2 refuses in a parameter file whose sections were read."""
+        return self._parameter_files[path].refused
 
     def stored(self, package: str, path: str) -> Any:
         """Return the description of a launch file that is not there; None if there is none."""
         return self._stored.get((package, path))
+
+    def stored_files(self, package: str) -> list[str]:
+        """Return the paths of the launch files of a package that have descriptions."""
+        return [path for name, path in self._stored if name == package]
 
     def shown(self, path: str) -> str:
         """Return the name of a file in messages."""
@@ -279,6 +293,7 @@ class _Run:
         self._depth = self._includes = 0
         self._skips = 0  # includes of files that are not here
         self._path = ""  # path of the launch file whose actions are expanded
+        self._included_at = Span("")  # place of the include of that file
 
     def include(self, path: str, place: Span) -> None:
         """Expand the actions of a launch file."""
@@ -288,13 +303,15 @@ class _Run:
             raise UnreadableFileError(place, "launch files include each other without end")
         if self._includes > _MOST_INCLUDES:
             raise EndlessExpansionError(place, f"launch files are included more than {_MOST_INCLUDES} times")
-        before, self._path = self._path, path
+        before, self._path, self._included_at = (self._path, self._included_at), path, place
         try:
             actions, findings = self._actions(path, place)
             self.result.findings += findings
+            self.result.dependencies |= self.context.packages.dependencies(path)
             self._run(actions)
+            self.result.included.add(path)
         finally:
-            self._path = before
+            self._path, self._included_at = before
             self._depth -= 1
 
     def _actions(self, path: str, place: Span) -> tuple[list[Action], list[Diagnostic]]:
@@ -304,7 +321,9 @@ class _Run:
             if stored is None:
                 self._skips += 1
                 self.result.skipped.setdefault(package, place)
-                return [], []
+                near = nearest(inner, self._expander.stored_files(package), 0.8)
+                message = f"the package '{package}' has no launch file '{inner}'"
+                return [], [UnreadableLaunchFile.at(place, message, did_you_mean(near))] if near else []
             return actions_of_stored(stored, place), []
         try:
             actions, findings = self._expander.actions(path)
@@ -316,7 +335,8 @@ class _Run:
         return actions, findings
 
     def _note_missing(self, path: str) -> None:
-        """Report modules that a Python launch file imports, and that are not there."""
+        """Note the packages, and report the modules that a Python launch file uses, and that are not there."""
+        self.result.absent |= self._expander.absent(path)
         for module, place in self._expander.missing_modules(path):
             message = f"the file imports '{module}', which is not installed; what it gives is not checked"
             finding = NotExpanded.at(place, message)
@@ -327,6 +347,8 @@ class _Run:
     def _run(self, actions: Iterable[Action]) -> None:
         for action in actions:
             self.context.place = action.place
+            for option, near in action.unknown_options.items():
+                self._report(UnknownAction, action.place, f"the action has no option '{option}'", did_you_mean(near))
             if self._holds(action):
                 self._one(action)
 
@@ -405,9 +427,7 @@ class _Run:
         elif isinstance(action, LoadNodes):
             if action.container:
                 self._start(action.container)
-            for node in action.nodes:
-                if self._holds(node):
-                    self._start(node)
+            self._run(action.nodes)
         elif isinstance(action, Execute):
             self.result.runs_programs = True
         elif isinstance(action, Opaque):
@@ -421,6 +441,10 @@ class _Run:
             return
         default = self._text(action.default) if action.default is not None else None
         self.result.declared.setdefault(name, Declared(name, default, action.choices, action.place))
+        is_needed = action.default is None and action.condition is None and not package_of_share(self._path)
+        if is_needed and self._depth > 1 and name not in self.context.configurations:
+            message = f"the included launch file needs the argument '{name}', which has no value"
+            self._report(UndeclaredArgument, self._included_at, message)
         value = self.context.configurations.setdefault(name, default)
         if action.choices and value is not None and value not in action.choices:
             known = ", ".join(action.choices)
@@ -537,16 +561,13 @@ class _Run:
         context = self.context
         self.context.place = action.place
         namespace = self._text(action.namespace) if action.namespace is not None else ""
-        for option in action.unknown_options:
-            help = did_you_mean(nearest(option, OPTIONS_OF_NODES))
-            self._report(UnknownAction, action.place, f"a node has no option '{option}'", help)
         values: list[GivenValue] = []
         files: list[FileUse] = []
         has_unknown_files = False
         for given in action.parameters:
             if isinstance(given, GivenParameter):
                 values += self._values(given.name, given.value, given.place, given.is_text)
-            elif use := self._file(given):
+            elif use := self._file(given, of_component=bool(action.plugin)):
                 files.append(use)
             else:
                 has_unknown_files = True
@@ -557,10 +578,22 @@ class _Run:
             )
             for remapping in action.remappings
         ]
-        for use in self._of_ros_arguments(
-            [*arguments, *(self._text(argument) for argument in action.ros_arguments)], action.place
-        ):
-            files.append(use)
+        name = self._text(action.name) if action.name is not None else ""
+        for option, value in _of_ros([*arguments, "--ros-args", *map(self._text, action.ros_arguments)]):
+            before, is_pair, after = value.partition(":=")
+            if option == "--params-file" and (use := self._file(GivenFile(value, action.place))):
+                files.append(use)
+            elif option in ("-r", "--remap") and is_pair:
+                remappings.append(StartedRemapping(before, after, action.place, action.place))
+            elif option in ("-p", "--param") and is_pair:
+                values.insert(0, GivenValue(before, typed(after), action.place))
+        for rule in remappings:
+            if rule.source in ("__node", "__name"):
+                name = rule.target
+            elif rule.source == "__ns":
+                namespace = rule.target
+        remappings = [rule for rule in remappings if not (rule.source or "").startswith("__")]
+        self._check_names(action, name, namespace, remappings)
         if len(self.result.nodes) >= _MOST_NODES:
             raise EndlessExpansionError(action.place, f"the launch file starts more than {_MOST_NODES} nodes")
         general = [given for given in context.parameters if isinstance(given, GivenValue)]
@@ -571,7 +604,7 @@ class _Run:
                 self._text(action.package),
                 self._text(action.executable),
                 self._text(action.plugin),
-                self._text(action.name) if action.name is not None else "",
+                name,
                 joined(context.namespace, namespace) if namespace is not None else None,
                 tuple(values),
                 tuple(general),
@@ -583,11 +616,17 @@ class _Run:
             )
         )
 
-    def _of_ros_arguments(self, words: list[str | None], place: Span) -> Iterator[FileUse]:
-        """Yield the parameter files that arguments name: ``--params-file FILE``."""
-        for option, value in itertools.pairwise(words):
-            if option == "--params-file" and value and (use := self._file(GivenFile(value, place))):
-                yield use
+    def _check_names(
+        self, action: StartNode, name: str | None, namespace: str | None, remappings: Iterable[StartedRemapping]
+    ) -> None:
+        """Report names that ROS 2 refuses (rmw/validate_node_name.h and validate_namespace.h, rcl/remap.h)."""
+        names = [("node", name, _WRONG_NODE, action.place), ("namespace", namespace, _WRONG_TOPIC, action.place)]
+        names += [("topic", rule.target, _WRONG_TOPIC, rule.target_place) for rule in remappings]
+        for kind, text, wrong, place in names:
+            if text and (match := wrong.search(text)):
+                reason = "a part begins with a digit" if match[0].lstrip("/").isdigit() else f"it contains '{match[0]}'"
+                help = f"write '{re.sub(r'[^A-Za-z0-9_/~]', '_', text)}'" if "digit" not in reason else ""
+                self._report(InvalidName, place, f"ROS 2 refuses '{text}' as the name of a {kind}: {reason}", help)
 
     def _values(self, name: Any, value: Any, place: Span, is_text: bool) -> Iterator[GivenValue]:
         text = self._text(name)
@@ -614,7 +653,7 @@ class _Run:
             return UNKNOWN
         return text if is_text or not text else typed(text)  # also a text of a YAML or XML launch file
 
-    def _file(self, given: GivenFile) -> FileUse | None:
+    def _file(self, given: GivenFile, of_component: bool = False) -> FileUse | None:
         text = self._path_of_file(given.path)
         if not text:
             return None
@@ -636,16 +675,19 @@ class _Run:
             self._report(MissingFile, given.place, f"the parameter file {missing_file} is not there")
             return None
         try:
-            sections = self._expander.sections(path, self._file_text if given.has_substitutions else None)
+            text_of = self._file_text if given.has_substitutions else None
+            sections = self._expander.sections(path, text_of, of_component)
         except UnreadableFileError as error:
             place = error.place if error.place.line else given.place
             self._report(UnreadableLaunchFile, place, str(error) if error.place.line else f"{shown}: {error}")
             return None
-        empty = self._expander.without_value(path)
-        if empty and not given.rewrites and not given.root_key:  # rewriting a file writes `null`
-            self._report(UnreadableLaunchFile, empty[1], f"the parameter '{empty[0]}' has no value")
+        if self.context.packages.is_temporary(path):  # made by the launch file, and with another name each time
+            shown, sections = self._expander.shown(self._path), [section.at(given.place) for section in sections]
+        refused = self._expander.refused(path)
+        if refused and given.rewrites is None and not of_component:
+            self._report(UnreadableLaunchFile, refused[1], refused[0])
         rewrites: dict[str, Any] = {}
-        for name, value in given.rewrites.items():
+        for name, value in (given.rewrites or {}).items():
             if (parameter := self._text(name)) is not None:
                 text = self._text(value)
                 rewrites[parameter] = UNKNOWN if text is None else typed(text) if text else ""
@@ -657,6 +699,15 @@ class _Run:
             return self._text(parse_text(text))
         except WrongTextError:
             return None
+
+
+def _of_ros(words: Iterable[str | None]) -> Iterator[tuple[str, str]]:
+    """Yield the options of ROS 2 in a command line with their values: ``--ros-args -r old:=new``."""
+    is_of_ros = False
+    for option, value in itertools.pairwise(words):
+        is_of_ros = option == "--ros-args" or (is_of_ros and option != "--")
+        if is_of_ros and option is not None and value is not None:
+            yield option, value
 
 
 def joined(namespace: str, pushed: str) -> str:

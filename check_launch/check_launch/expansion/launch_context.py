@@ -16,6 +16,7 @@ from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 _NAME = re.compile(r"<name>\s*([\w-]+)\s*</name>")
+_DEPENDENCY = re.compile(r"<\w*depend\b[^>]*>\s*([\w-]+)\s*</")
 _DEPTH = 8  # folders below the top in which packages are searched
 UNKNOWN_SHARE = "/share-folder-of/"
 """Beginning of the path that stands for the share folder of a package that is not there."""
@@ -29,6 +30,7 @@ class Packages:
         self._tops = tuple(dict.fromkeys(top.resolve() for top in tops))
         self.folders = dict(_packages_in(self._tops))
         """Folders of the packages in source trees, by the names of the packages."""
+        self._dependencies: dict[Path, frozenset[str]] = {}
 
     def share(self, package: str) -> str:
         """Return the share folder of a package; for an unknown package, a path that does not exist."""
@@ -44,9 +46,20 @@ class Packages:
         """Return true if the source trees have a package."""
         return package in self.folders
 
+    def dependencies(self, path: str) -> frozenset[str]:
+        """Return the packages that the manifest of a file's package names."""
+        top = next((folder for folder in Path(path).parents if (folder / "package.xml").is_file()), None)
+        if top is not None and top not in self._dependencies:
+            self._dependencies[top] = frozenset(_DEPENDENCY.findall(_text(top / "package.xml")))
+        return self._dependencies[top] if top is not None else frozenset()
+
     def holds(self, path: str) -> bool:
         """Return true for a path below the folders in which packages are searched."""
         return any(Path(path).is_relative_to(top) for top in self._tops)
+
+    def is_temporary(self, path: str) -> bool:
+        """Return true for a file in the folder for temporary files, unless the checked packages are there."""
+        return Path(path).is_relative_to("/tmp") and not self.holds(path)  # noqa: S108  # only compared
 
     def python_folder(self, package: str) -> Path | None:
         """Return the folder from which the Python package of a ROS 2 package can be imported; None if there is none."""
@@ -129,6 +142,16 @@ class Context:
     """Place of the action that is being expanded."""
     undeclared: list[tuple[str, Span]] = field(default_factory=list)
     """Arguments that are used, and that no launch file declares, each with the place of its use."""
+
+    absent: dict[str, Span] = field(default_factory=dict)
+    """Packages whose share folders are used, and that are not there, with the places of their use."""
+
+    def share(self, package: str) -> str:
+        """Return the share folder of a package, and note that it is used."""
+        found = self.packages.share(package)
+        if package_of_share(found):
+            self.absent.setdefault(package, self.place)
+        return found
 
     def missing(self, name: str) -> None:
         """Note that an argument is used that nothing declares."""

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -14,7 +15,16 @@ from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.substitutions import RUN_TIME
 
 
-class Ignored:
+class _IgnoredType(type):
+    """Type of `Ignored`, whose attributes are unknown, too, as those of a class of messages."""
+
+    def __getattr__(cls, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return Ignored()
+
+
+class Ignored(metaclass=_IgnoredType):
     """An object of a launch file that starts nothing, or that these stand-ins do not know.
 
     It accepts every use. Its text is known at run time only.
@@ -52,7 +62,12 @@ class Ignored:
     def __add__(self, other: Any) -> str:
         return RUN_TIME
 
-    __radd__ = __truediv__ = __rtruediv__ = __add__
+    __radd__ = __add__
+
+    def __truediv__(self, other: Any) -> Path:
+        return Path(RUN_TIME)
+
+    __rtruediv__ = __truediv__
 
 
 class _Description:

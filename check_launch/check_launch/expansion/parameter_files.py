@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 KEY = "ros__parameters"
+_ALIAS = re.compile(r"(?:^|[\s\[{,:-])\*[\w-]", re.MULTILINE)
+"""What may be an alias; ``/**`` is none."""
 _FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 
@@ -55,6 +58,11 @@ class Section:
         # "/**" stands for any nodes; before a name, for any namespaces
         return re.fullmatch(f"{text}/?", full_name) is not None or self.pattern in ("/**", "/**/")
 
+    def at(self, place: Span) -> Section:
+        """Return the section with another place for all of it."""
+        values = tuple(GivenValue(given.name, given.value, place) for given in self.values)
+        return Section(self.pattern, place, values)
+
     @property
     def node_name(self) -> str:
         """The last part of the pattern; ``**`` for all nodes."""
@@ -70,27 +78,35 @@ class ParameterFile:
 
     def __init__(self, path: Path, shown: str) -> None:
         """Read the file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
-        self._root, self._shown = compose(text_of_file(path, shown), shown), shown
-        self.without_value = next(_without_value(self._root, shown, False), None)
-        """First parameter without a value, which ROS 2 refuses."""
+        text = text_of_file(path, shown)
+        self._root, self._shown = compose(text, shown), shown
+        self.refused = next(chain(_refusals(self._root, shown, False), _aliases(text, shown)), None)
+        """First message and place of what rcl_yaml_param_parser refuses; rewriting the file removes it."""
+        self._has_sections = _has_sections(self._root)
         self._with_substitutions = list(dict.fromkeys(_with_substitutions(self._root)))
         self._sections: dict[tuple[str | None, ...], list[Section]] = {}
 
-    def sections(self, text_of: Callable[[str], str | None] | None) -> list[Section]:
+    def sections(self, text_of: Callable[[str], str | None] | None, of_component: bool = False) -> list[Section]:
         """Return the sections of the file. Raises `UnreadableFileError`.
 
         ``text_of`` replaces the substitutions in a text, and returns None if the text is not known; with None, the file
-        has no substitutions.
+        has no substitutions. ``of_component`` says that a node in a container gets the file: launch_ros reads it then,
+        and takes a file without sections as one for this node (launch_ros/utilities/to_parameters_list.py).
         """
         if self._root is None:
             return []
         if not isinstance(self._root, yaml.MappingNode):
             raise NoParametersError(place_of(self._root, self._shown), "a parameter file is a mapping of nodes")
         texts = {text: text_of(text) for text in self._with_substitutions} if text_of else {}
-        key = tuple(texts.values())
+        is_one = of_component and not self._has_sections
+        key = (str(is_one), *texts.values())
         if key not in self._sections:
-            found = _sections(self._root, "", self._shown, lambda text: texts.get(text, text))
-            self._sections[key] = list(found)
+            at = (self._shown, lambda text: texts.get(text, text))
+            if is_one:
+                values = tuple(_values(self._root, "", *at))
+                self._sections[key] = [Section("/**", place_of(self._root, self._shown), values)]
+            else:
+                self._sections[key] = list(_sections(self._root, "", *at))
         return self._sections[key]
 
 
@@ -107,12 +123,31 @@ def _with_substitutions(node: yaml.Node | None) -> Iterator[str]:
         yield node.value
 
 
-def _without_value(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterator[tuple[str, Span]]:
-    """Yield the names and places of parameters without a value (``No value at line`` of rcl_yaml_param_parser)."""
+def _has_sections(node: yaml.Node | None) -> bool:
+    pairs = node.value if isinstance(node, yaml.MappingNode) else ()
+    return any(key.value == KEY or _has_sections(value) for key, value in pairs)
+
+
+def _refusals(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterator[tuple[str, Span]]:
+    """Yield messages and places of parameters without a value, and of lists with mappings in them.
+
+    rcl_yaml_param_parser says ``No value at line`` and ``Sequences can only be values and not keys``.
+    """
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
         if in_parameters and isinstance(value, yaml.ScalarNode) and value.value == "" and not value.style:
-            yield str(key.value), place_of(key, shown)
-        yield from _without_value(value, shown, in_parameters or key.value == KEY)
+            yield f"the parameter '{key.value}' has no value", place_of(key, shown)
+        if isinstance(value, yaml.SequenceNode) and any(isinstance(part, yaml.MappingNode) for part in value.value):
+            yield f"'{key.value}' is a list of mappings, which ROS 2 does not read as a parameter", place_of(key, shown)
+        yield from _refusals(value, shown, in_parameters or key.value == KEY)
+
+
+def _aliases(text: str, shown: str) -> Iterator[tuple[str, Span]]:
+    """Yield messages and places of aliases (``Will not support aliasing`` of rcl_yaml_param_parser)."""
+    for event in yaml.parse(text, Loader=yaml.SafeLoader) if _ALIAS.search(text) else ():
+        mark = event.start_mark
+        if isinstance(event, yaml.AliasEvent) and mark is not None:
+            message = f"ROS 2 reads no aliases in parameter files: write the values of '*{event.anchor}' here"
+            yield message, Span(shown, mark.line + 1, mark.column + 1)
 
 
 def is_parameter_file(path: Path) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import sys
 import traceback
 import warnings
@@ -24,6 +25,7 @@ from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 _FUNCTION = "generate_launch_description"
+_RAISE = re.compile(r"(?:^|[:;]\s*)raise\b")
 
 
 class NeedsMoreError(Exception):
@@ -51,6 +53,7 @@ class PythonFile:
         if not self._declaration:
             raise UnreadableFileError(Span(shown), f"the file has no function {_FUNCTION}")
         self._stand_ins.read(self._tree)
+        self._imports_all = any(isinstance(node, ast.alias) and node.name == "*" for node in ast.walk(self._tree))
         self._missing: dict[str, int] = {}
         self._environment = _Environment(str(path), environment)
 
@@ -79,6 +82,11 @@ class PythonFile:
         for name, line in self._missing.items():
             yield name, Span(self._shown, line)
 
+    @property
+    def absent(self) -> Mapping[str, Span]:
+        """Packages whose share folders the file has asked for, and that are not there, with the places."""
+        return self._stand_ins.absent
+
     @contextmanager
     def _running(self) -> Iterator[None]:
         """Let the file import the stand-ins, and turn its errors into ours."""
@@ -89,6 +97,7 @@ class PythonFile:
         sys.modules.update({**(hidden if real_launch.is_installed() else {}), **modules})
         sys.meta_path.append(finder)
         os.environ = self._environment  # type: ignore[assignment]  # noqa: B003  # what the system does not need
+        exists, os.path.exists, os.path.isfile = (os.path.exists, os.path.isfile), _exists, _exists
         try:
             yield
         except UnreadableFileError:
@@ -111,6 +120,7 @@ class PythonFile:
         finally:
             self._missing |= finder.missing
             os.environ = environment  # noqa: B003
+            os.path.exists, os.path.isfile = exists
             sys.meta_path.remove(finder)
             sys.path[:] = path
             for name in set(sys.modules) - before:
@@ -126,6 +136,10 @@ class PythonFile:
             return f"'{next(iter(missing))}' is not installed"
         if self._environment.missing:
             return f"the environment has no variable {self._environment.missing[0]}"
+        if isinstance(error, AttributeError) and type(error.obj).__module__.startswith("check_launch."):
+            return "the stand-in of this object does not have it"
+        if isinstance(error, NameError) and self._imports_all:
+            return "perhaps a module gives it, of which the file imports all names"
         text = str(error)
         if RUN_TIME in text or UNKNOWN_SHARE in text:
             return "a file or text is not here"
@@ -137,7 +151,7 @@ class PythonFile:
         """Return true if code of the workspace refuses values of arguments, or what it finds on this computer."""
         last = traceback.extract_tb(error.__traceback__)[-1]
         is_own = last.filename == str(self._path) or self._packages.holds(last.filename)
-        return is_own and (last.line or "").startswith(("raise ", "sys.exit", "exit("))
+        return isinstance(error, SystemExit) or (is_own and _RAISE.search(last.line or "") is not None)
 
     def _place(self, error: BaseException) -> Span:
         frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(self._path)]
@@ -210,6 +224,11 @@ def is_launch_program(path: Path) -> bool:
 
 
 _REPLACED = frozenset({"launch", "launch_ros", "launch_xml", "launch_yaml", "nav2_common", "ament_index_python"})
+
+
+def _exists(path: Any) -> bool:
+    """Return true for a file, and for one of a package that is not here: it is not known to be absent."""
+    return UNKNOWN_SHARE in str(path) or RUN_TIME in str(path) or os.access(path, os.F_OK)
 
 
 def _is_beside(module: Any, folder: Path) -> bool:

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
 
@@ -41,30 +41,28 @@ from check_launch.expansion.actions import (
     StartNode,
 )
 from check_launch.expansion.entities import UnreadableFileError, compose
-from check_launch.expansion.launch_context import Context, Packages
+from check_launch.expansion.launch_context import UNKNOWN_SHARE, Context, Packages, package_of_share
 from check_launch.expansion.launch_imports import Ignored
 from check_launch.expansion.substitutions import Substitution, UnknownTextError, is_true, text_of
+from check_launch.misspellings import nearest
 from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
-OPTIONS_OF_NODES = frozenset(
-    {"package", "executable", "name", "namespace", "parameters", "remappings", "arguments", "ros_arguments"}
-    | {"exec_name", "plugin", "extra_arguments", "composable_node_descriptions", "target_container"}
-    | {"cmd", "prefix", "cwd", "env", "additional_env", "process_description", "condition"}
-    | {
-        "shell",
-        "sigterm_timeout",
-        "sigkill_timeout",
-        "emulate_tty",
-        "output",
-        "output_format",
-        "cached_output",
-        "log_cmd",
-    }
-    | {"on_exit", "respawn", "respawn_delay", "respawn_max_retries", "autostart", "node_executable", "node_name"}
-    | {"node_namespace", "package_name", "description"}
+_OF_PROCESS = (
+    *("prefix", "cwd", "env", "additional_env", "shell", "sigterm_timeout", "sigkill_timeout", "emulate_tty", "output"),
+    *("output_format", "cached_output", "log_cmd", "on_exit", "respawn", "respawn_delay", "respawn_max_retries"),
 )
-"""Keyword arguments of Node, ComposableNode and of the actions below them (launch, launch_ros)."""
+_OF_COMPONENT = ("package", "plugin", "name", "namespace", "parameters", "remappings", "extra_arguments")
+_OF_NODE = ("package", "executable", "name", "namespace", "parameters", "remappings", "arguments", "ros_arguments")
+_OF_PROGRAM = (*_OF_NODE, "exec_name", *_OF_PROCESS)
+"""Keyword arguments of ComposableNode, of Node, and of the actions below Node (launch, launch_ros)."""
+
+
+_OF_MOVEIT = (
+    *("demo", "move_group", "moveit_rviz", "rsp", "setup_assistant", "spawn_controllers", "static_virtual_joint_tfs"),
+    "warehouse_db",
+)
+"""Launch files that moveit_configs_utils generates (moveit_configs_utils/launches.py)."""
 
 
 class LaunchDescription:
@@ -78,6 +76,11 @@ class LaunchDescription:
         self.entities.append(action)
 
     add_entity = add_action
+
+    def get_launch_arguments(self, conditional_inclusion: bool = False) -> list[Any]:
+        """Return the declarations of arguments."""
+        del conditional_inclusion
+        return [entity for entity in self.entities if isinstance(entity, DeclareArgument)]
 
 
 class IfCondition:
@@ -235,6 +238,8 @@ class StandIns:
     def __init__(self, path: Path, shown: str, packages: Packages) -> None:
         self._file = _File(str(path), shown)
         self._packages = packages
+        self.absent: dict[str, Span] = {}
+        """Packages whose share folders the file has asked for, and that are not there, with the places."""
 
     def read(self, tree: ast.AST) -> None:
         """Remember the literals of the file, which are found again when an object with one of them is created."""
@@ -268,7 +273,7 @@ class StandIns:
             for name, member in vars(substitutions).items()
             if isinstance(member, type) and issubclass(member, Substitution)
         }
-        share, packages = self._packages.share, self._packages
+        share, packages = self._share, self._packages
 
         class FindPackageShare(substitutions.FindPackageShare):
             def find(self, package: str) -> str:
@@ -318,7 +323,7 @@ class StandIns:
             "RosTimer": self._timer,
         }
         descriptions = {
-            "ComposableNode": lambda **options: ComposableNode(self._node(**options)),
+            "ComposableNode": self._component,
             "ParameterValue": ParameterValue,
             "ParameterFile": ParameterFile,
             "Parameter": lambda name, value, value_type=None: {name: ParameterValue(value, value_type)},
@@ -328,9 +333,9 @@ class StandIns:
             for condition in (IfCondition, UnlessCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals)
         }
         found = {
-            "get_package_share_directory": self._packages.share,
-            "get_package_share_path": lambda name: Path(self._packages.share(name)),
-            "get_package_prefix": self._packages.share,
+            "get_package_share_directory": self._share,
+            "get_package_share_path": lambda name: Path(self._share(name)),
+            "get_package_prefix": self._share,
             "PackageNotFoundError": KeyError,
         }
         contents: dict[str, Mapping[str, Any]] = {
@@ -364,6 +369,8 @@ class StandIns:
                 stand_in.__name__: stand_in
                 for stand_in in (RewrittenYaml, ReplaceString, HasNodeParams, ParseMultiRobotPose)
             },
+            "moveit_configs_utils": {},
+            "moveit_configs_utils.launches": {f"generate_{name}_launch": self._of_moveit for name in _OF_MOVEIT},
             "ament_index_python": found,
             "ament_index_python.packages": found,
         }
@@ -380,45 +387,55 @@ class StandIns:
                 setattr(modules[name.rpartition(".")[0]], name.rpartition(".")[2], module)
         return modules
 
+    def _share(self, package: str) -> str:
+        found = self._packages.share(package)
+        if package_of_share(found) and isinstance(package, str):  # not `Ignored`
+            self.absent.setdefault(package, self._file.place_of(package, self.place()))
+        return found
+
     def _declare(
         self, name: str, *, default_value: Any = None, description: Any = None, choices: Any = None, **options: Any
     ) -> Action:
         place = self._file.place_of(name, self.place())
-        return DeclareArgument(
-            place, _condition(options), name, default_value, tuple(choices or ()), str(description or "")
-        )
+        action = DeclareArgument(place, None, name, default_value, tuple(choices or ()), str(description or ""))
+        return _with(action, options, "default_value", "description", "choices")
 
     def _set_configuration(self, name: Any, value: Any, **options: Any) -> Action:
-        return SetConfiguration(self.place(), _condition(options), name, value)
+        return _with(SetConfiguration(self.place(), None, name, value), options)
 
     def _set_environment(self, name: Any, value: Any, **options: Any) -> Action:
-        return SetEnvironment(self.place(), _condition(options), name, value)
+        return _with(SetEnvironment(self.place(), None, name, value), options)
 
     def _group(
         self, actions: Iterable[Any], *, scoped: bool = True, launch_configurations: Any = None, **options: Any
     ) -> Action:
-        return Group(self.place(), _condition(options), _actions(actions), scoped, launch_configurations or {})
+        action = Group(self.place(), None, _actions(actions), scoped, launch_configurations or {})
+        return _with(action, options, "scoped", "forwarding", "launch_configurations")
 
     def _include(self, launch_description_source: Any, *, launch_arguments: Any = (), **options: Any) -> Action:
         place = self.place()
-        pairs = launch_arguments.items() if isinstance(launch_arguments, Mapping) else launch_arguments or ()
-        arguments = [(name, value, self._file.place_of(name, place)) for name, value in pairs]
-        return Include(place, _condition(options), launch_description_source, arguments)
+        if isinstance(launch_arguments, Mapping):
+            raise TypeError("'launch_arguments' must be pairs: write '.items()' behind the dictionary")
+        arguments = [(name, value, self._file.place_of(name, place)) for name, value in launch_arguments or ()]
+        return _with(Include(place, None, launch_description_source, arguments), options, "launch_arguments")
+
+    def _of_moveit(self, *_: Any, **__: Any) -> LaunchDescription:
+        """Return what a function of moveit_configs_utils starts: an unknown launch file of this package."""
+        return LaunchDescription([Include(self.place(), None, f"{UNKNOWN_SHARE}moveit_configs_utils/launches.py")])
 
     def _execute(self, *, cmd: Any = (), **options: Any) -> Action:
-        return Execute(self.place(), _condition(options), list(cmd))
+        return _with(Execute(self.place(), None, _words("cmd", cmd)), options, "cmd", "name", *_OF_PROCESS)
 
     def _opaque(self, *, function: Any, args: Any = None, kwargs: Any = None, **options: Any) -> Action:
-        return Opaque(
-            self.place(), _condition(options), lambda context: function(context, *(args or ()), **(kwargs or {}))
-        )
+        action = Opaque(self.place(), None, lambda context: function(context, *(args or ()), **(kwargs or {})))
+        return _with(action, options, "function", "args", "kwargs")
 
     def _later(self, event_handler: Any, **options: Any) -> Action:
         actions = event_handler if isinstance(event_handler, list) else []
-        return Later(self.place(), _condition(options), _actions(actions))
+        return _with(Later(self.place(), None, _actions(actions)), options)
 
     def _timer(self, *, actions: Iterable[Any] = (), **options: Any) -> Action:
-        return Later(self.place(), _condition(options), _actions(actions))
+        return _with(Later(self.place(), None, _actions(actions)), options, "period", "actions", "cancel_on_shutdown")
 
     def _node(
         self,
@@ -435,9 +452,11 @@ class StandIns:
         **options: Any,
     ) -> StartNode:
         place = self.place()
-        return StartNode(
+        if not isinstance(parameters, list | Ignored | None):
+            raise TypeError("'parameters' must be a list, such as [{'rate': 5.0}, 'file.yaml']")
+        action = StartNode(
             place,
-            _condition(options),
+            None,
             package or "",
             executable or "",
             plugin or "",
@@ -448,10 +467,14 @@ class StandIns:
                 Remapping(source, target, self._file.place_of(source, place), self._file.place_of(target, place))
                 for source, target in remappings or ()
             ],
-            list(arguments or ()),
-            list(ros_arguments or ()),
-            [option for option in options if option not in OPTIONS_OF_NODES],
+            _words("arguments", arguments),
+            _words("ros_arguments", ros_arguments),
         )
+        return _with(action, options, *_OF_PROGRAM)
+
+    def _component(self, **options: Any) -> ComposableNode:
+        node = self._node(**{name: option for name, option in options.items() if name in _OF_NODE or name == "plugin"})
+        return ComposableNode(_with(node, options, *_OF_COMPONENT))
 
     def _given(self, given: Any, place: Span) -> Iterable[GivenParameter | GivenFile]:
         if isinstance(given, Mapping):
@@ -471,24 +494,27 @@ class StandIns:
     def _container(self, *, composable_node_descriptions: Any = None, **options: Any) -> Action:
         own = self._node(**options)
         condition, own.condition = own.condition, None
-        return LoadNodes(own.place, condition, own, _components(composable_node_descriptions))
+        unknown, own.unknown_options = own.unknown_options, {}
+        nodes = _components(composable_node_descriptions)
+        return LoadNodes(own.place, condition, own, nodes, unknown_options=unknown)
 
     def _load(
         self, *, composable_node_descriptions: Any = None, target_container: Any = None, **options: Any
     ) -> Action:
-        return LoadNodes(self.place(), _condition(options), None, _components(composable_node_descriptions))
+        action = LoadNodes(self.place(), None, None, _components(composable_node_descriptions))
+        return _with(action, options, "composable_node_descriptions", "target_container")
 
     def _push(self, namespace: Any, **options: Any) -> Action:
-        return PushNamespace(self.place(), _condition(options), namespace)
+        return _with(PushNamespace(self.place(), None, namespace), options)
 
     def _remap(self, src: Any, dst: Any, **options: Any) -> Action:
-        return SetRemap(self._file.place_of(src, self.place()), _condition(options), src, dst)
+        return _with(SetRemap(self._file.place_of(src, self.place()), None, src, dst), options)
 
     def _parameter(self, name: Any, value: Any, **options: Any) -> Action:
-        return SetParameter(self._file.place_of(name, self.place()), _condition(options), name, _value(value)[0])
+        return _with(SetParameter(self._file.place_of(name, self.place()), None, name, _value(value)[0]), options)
 
     def _parameters_from_file(self, filename: Any, **options: Any) -> Action:
-        return SetParametersFromFile(self.place(), _condition(options), filename)
+        return _with(SetParametersFromFile(self.place(), None, filename), options, "node_name")
 
 
 def _components(descriptions: Any) -> list[StartNode]:
@@ -506,11 +532,30 @@ def _value(value: Any) -> tuple[Any, bool]:
     return value, False
 
 
-def _condition(options: Mapping[str, Any]) -> tuple[bool, Any] | None:
+Made = TypeVar("Made", bound=Action)
+
+
+def _with(action: Made, options: Mapping[str, Any], *known: str) -> Made:
+    """Return an action with its condition, and with its unknown options; ``known`` are the names of the others."""
     condition = options.get("condition")
     if isinstance(condition, IfCondition):
-        return condition.wanted, condition.expression
-    return None
+        action.condition = condition.wanted, condition.expression
+    elif not isinstance(condition, Ignored | None):
+        raise TypeError(f"'condition' is a {type(condition).__name__}: write IfCondition(...)")
+    names = ("condition", *known)
+    action.unknown_options = {name: nearest(name, names) for name in options if name not in names}
+    return action
+
+
+def _words(option: str, words: Any) -> list[Any]:
+    """Return the words of a command line. Raises `TypeError`, as `launch` does, if one of them is no text."""
+    if isinstance(words, str):
+        raise TypeError(f"'{option}' must be a list of texts, not one text")
+    found = list(words or ())
+    wrong = next((word for word in found if isinstance(word, int | float)), None)
+    if wrong is not None:
+        raise TypeError(f"'{option}' contains {wrong!r}, which is no text: write '{wrong}' with quotation marks")
+    return found
 
 
 def _actions(values: Iterable[Any]) -> list[Action]:
@@ -520,6 +565,8 @@ def _actions(values: Iterable[Any]) -> list[Action]:
             found.append(value)
         elif isinstance(value, LaunchDescription):
             found += _actions(value.entities)
+        elif isinstance(value, str | list | tuple | None) and not real_launch.is_installed():
+            raise TypeError(f"{'None' if value is None else f'a {type(value).__name__}'} stands in place of an action")
     return found
 
 

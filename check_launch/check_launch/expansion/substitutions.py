@@ -26,13 +26,6 @@ class TooLongTextError(Exception):
     """Raised for a text that grows beyond all texts of launch files."""
 
 
-class Shares(Protocol):
-    """Share folders of packages."""
-
-    def share(self, package: str) -> str:
-        """Return the share folder of a package."""
-
-
 class Surroundings(Protocol):
     """Values that a substitution may look at (see `launch_context.Context`)."""
 
@@ -40,9 +33,8 @@ class Surroundings(Protocol):
     environment: dict[str, str]
     file: str
 
-    @property
-    def packages(self) -> Shares:
-        """Places of packages."""
+    def share(self, package: str) -> str:
+        """Return the share folder of a package."""
 
     def missing(self, name: str) -> None:
         """Note that an argument is used that nothing declares."""
@@ -122,7 +114,7 @@ class FindPackageShare(Substitution):
         self.package = package
 
     def perform(self, context: Surroundings) -> str:
-        return context.packages.share(text_of(self.package, context))
+        return context.share(text_of(self.package, context))
 
     def stored(self) -> Any:
         return {"share": stored_text(self.package)}

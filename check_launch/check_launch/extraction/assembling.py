@@ -145,6 +145,11 @@ class Assembler:
             program: self._resolved(class_name, "") or "" if class_name else ""
             for program, class_name in facts.programs.items()
         }
+        if not self._packages[name][1].is_supplemented:  # a class that is no node is a part of one that was not found
+            programs = {
+                program: class_name if class_name not in self._classes or self._is_node(class_name) else ""
+                for program, class_name in programs.items()
+            }
         stated = {
             key.partition("/")[2]: value
             for key, value in self._supplement.programs.items()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+from check_launch.extraction.class_facts import ClassFacts
 
 _COMMENT = re.compile(r"#[^\n]*")
 _CALL = re.compile(r"\b(\w+)\s*\(([^()]*(?:\([^()]*\)[^()]*)*)\)")
@@ -39,12 +41,17 @@ class Built:
     """True if there may be more executables, with names that the text of the files does not say."""
 
 
-def built_by(folder: Path, classes: Iterable[str]) -> Built:
+def built_by(folder: Path, classes: Mapping[str, ClassFacts]) -> Built:
     """Return what the build of the package in a folder makes.
 
     ``classes`` are the classes of the package, to find the one that a program's main function uses.
     """
-    reader = _Build(folder, {name.rpartition("::")[2]: name for name in classes})
+    nodes = {
+        name.rpartition("::")[2]
+        for name, facts in classes.items()
+        if any(base.rpartition("::")[2].endswith("Node") for base in facts.bases)
+    }
+    reader = _Build(folder, {name.rpartition("::")[2]: name for name in classes}, nodes)
     for path in sorted(folder.rglob("CMakeLists.txt")):
         if not {"test", "benchmark"} & set(path.relative_to(folder).parts):
             reader.read(path)
@@ -64,8 +71,8 @@ def built_by(folder: Path, classes: Iterable[str]) -> Built:
 class _Build:
     """Reader of the CMakeLists.txt of a package."""
 
-    def __init__(self, folder: Path, short: Mapping[str, str]) -> None:
-        self._folder, self._short = folder, short
+    def __init__(self, folder: Path, short: Mapping[str, str], nodes: Set[str]) -> None:
+        self._folder, self._short, self._nodes = folder, short, nodes
         self.programs: dict[str, BuiltProgram] = {}
         self.components: list[str] = []
         self.names: dict[str, str] = {}
@@ -81,7 +88,7 @@ class _Build:
             elif function == "project" and words:
                 variables["PROJECT_NAME"] = words[0]
             elif function in ("add_executable", "ament_auto_add_executable") and "IMPORTED" not in words and words:
-                self.programs[words[0]] = BuiltProgram(words[0], _class_of(path.parent, words[1:], self._short))
+                self.programs[words[0]] = BuiltProgram(words[0], self._class_of(path.parent, words[1:]))
             elif function == "set_target_properties" and "OUTPUT_NAME" in words:
                 self.names[words[0]] = words[words.index("OUTPUT_NAME") + 1]
             elif function == "rclcpp_components_register_nodes":
@@ -94,6 +101,19 @@ class _Build:
                     self.programs[name] = BuiltProgram(name, class_name)
             elif function == "install" and words:
                 self._installed(path.parent, words)
+
+    def _class_of(self, folder: Path, files: Iterable[str]) -> str:
+        """Return the class of the node that a program's main function creates: not of what the node gets."""
+        for path in (folder / name for name in files):
+            if not path.is_file():
+                continue
+            text = path.read_text(encoding="utf-8", errors="replace")
+            main = text[max(0, text.find("main(")) :]
+            words = [self._short[word] for word in re.findall(r"\b(\w+)\s+\w+\s*[({;]", main) if word in self._short]
+            made = [*_MADE.findall(main), *_MADE.findall(text), *words]
+            if made:
+                return next((name for name in made if name.rpartition("::")[2] in self._nodes), made[0])
+        return ""
 
     def _installed(self, folder: Path, words: list[str]) -> None:
         """Add the scripts that a package installs as programs."""
@@ -114,19 +134,3 @@ def _calls(text: str, variables: Mapping[str, str]) -> Iterator[tuple[str, list[
     for match in _CALL.finditer(_COMMENT.sub("", text)):
         words = [quoted or plain for quoted, plain in _WORD.findall(match[2])]
         yield match[1].lower(), [_VARIABLE.sub(lambda found: variables.get(found[1], found[0]), word) for word in words]
-
-
-def _class_of(folder: Path, files: Iterable[str], short: Mapping[str, str]) -> str:
-    """Return the class of the node that a program's main function creates."""
-    for name in files:
-        path = folder / name
-        if not path.is_file():
-            continue
-        text = path.read_text(encoding="utf-8", errors="replace")
-        if made := _MADE.search(text):
-            return made[1]
-        main = text[max(0, text.find("main(")) :]
-        for word in re.findall(r"\b(\w+)\s+\w+\s*[({;]", main):
-            if word in short:
-                return short[word]
-    return ""

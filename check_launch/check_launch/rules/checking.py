@@ -18,7 +18,7 @@ from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.parameter_files import NoParametersError, ParameterFile, is_parameter_file
 from check_launch.expansion.python_files import is_launch_program
 from check_launch.expansion.source_trees import source_folders
-from check_launch.misspellings import did_you_mean, is_misspelling
+from check_launch.misspellings import did_you_mean, misspelt
 from check_launch.rules.frame_findings import frame_findings
 from check_launch.rules.launch_rules import (
     MisspeltPackage,
@@ -35,7 +35,7 @@ from check_launch.rules.system import System, Variants, system_of
 from check_launch.rules.topic_findings import ends_of, topic_findings, used_remappings
 from roverlink import bounded_files
 from roverlink.console import counted
-from roverlink.generator.diagnostics import Diagnostic, Severity, Span, in_order
+from roverlink.generator.diagnostics import Diagnostic, Severity, in_order
 
 LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
 _COMPLETE = re.compile(r"^[ \t]*(?:#|<!--)[ \t]*check-launch: complete\b", re.MULTILINE)
@@ -101,12 +101,13 @@ class Checker:
     def check(self, files: Iterable[Path], arguments: Mapping[str, str]) -> Checked:
         """Check launch files with some values of their arguments, and parameter files."""
         checked, paths = Checked(), list(files)
+        evaluated: set[str] = set()
         sections = Sections(self._catalogue)
         launch_files = [path for path in paths if path.name.endswith(LAUNCH_ENDINGS)]
         parameter_files = {shown_path(str(path)): path for path in paths if path not in launch_files}
         for path in launch_files:
             try:
-                self._check_launch_file(path, arguments, checked, sections)
+                self._check_launch_file(path, arguments, checked, sections, evaluated)
             except UnreadableFileError as error:
                 checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
         alone = {shown: path for shown, path in parameter_files.items() if shown not in sections.files}
@@ -123,6 +124,7 @@ class Checker:
             except UnreadableFileError as error:
                 checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
         checked.findings = [_of_included(finding, launch_files) for finding in checked.findings]
+        checked.evaluated = sum(str(path.resolve()) in evaluated for path in launch_files)
         checked.launch_files, checked.parameter_files = len(launch_files), len(parameter_files)
         checked.read = len(sections.read_files & set(parameter_files))
         checked.findings = in_order(_once(checked.findings))
@@ -136,7 +138,7 @@ class Checker:
         checked = Checked()
         for path in sorted({loader for file in alone.values() for loader in _loaders(file)}):
             with suppress(UnreadableFileError):
-                self._check_launch_file(path, {}, checked, sections, set(alone))
+                self._check_launch_file(path, {}, checked, sections, set(), set(alone))
         return checked.findings
 
     def _check_launch_file(
@@ -145,9 +147,13 @@ class Checker:
         arguments: Mapping[str, str],
         checked: Checked,
         sections: Sections,
+        evaluated: set[str],
         wanted: Collection[str] | None = None,
     ) -> None:
-        """Check a launch file; with ``wanted``, only if it gives one of these parameter files to a node."""
+        """Check a launch file; with ``wanted``, only if it gives one of these parameter files to a node.
+
+        ``evaluated`` gets the launch files that were evaluated to their end, also as a part of this one.
+        """
         expansions = self._expander.variants(path, arguments)
         systems = [system_of(expanded, self._catalogue) for expanded in expansions]
         if wanted is not None and not any(
@@ -155,7 +161,8 @@ class Checker:
         ):
             return
         checked.systems.append((shown_path(str(path)), systems[0]))
-        checked.evaluated += not any(str(path.resolve()) in expanded.unevaluated for expanded in expansions)
+        unevaluated = set().union(*(expanded.unevaluated for expanded in expansions))
+        evaluated |= set().union(*(expanded.included for expanded in expansions)) - unevaluated
         for system in systems:
             sections.add(system)
         variants = Variants(
@@ -182,19 +189,18 @@ class Checker:
         yield from expansion.findings
         for name, place in expansion.undeclared:
             yield UndeclaredArgument.at(place, f"the argument '{name}' is not declared", "declare it with `arg`")
-        for package, place in expansion.skipped.items():
-            yield self._of_skipped(package, place)
+        for package, place in {**expansion.absent, **expansion.skipped}.items():
+            known = {*self._catalogue.packages, *expansion.dependencies}
+            if package not in known and (near := misspelt(package, known)):
+                yield MisspeltPackage.at(place, f"unknown package '{package}'", did_you_mean(near))
+            elif package in expansion.skipped:
+                message = f"the launch files of '{package}' are not here; what they start is not checked"
+                yield NotExpanded.at(place, message)
         yield from system.findings
         yield from parameter_findings(system, variants)
         yield from node_findings(system)
         yield from topic_findings(system, variants, self._known, complete)
         yield from frame_findings(system, complete)
-
-    def _of_skipped(self, package: str, place: Span) -> Diagnostic:
-        near = sorted(name for name in self._catalogue.packages if is_misspelling(package, name))
-        if near and package not in self._catalogue.packages:
-            return MisspeltPackage.at(place, f"unknown package '{package}'", did_you_mean(near))
-        return NotExpanded.at(place, f"the launch files of '{package}' are not here; what they start is not checked")
 
 
 def _loaders(parameter_file: Path) -> Iterator[Path]:
@@ -238,7 +244,9 @@ def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     # The first finding stays: one that says what to write.
     for finding in sorted(findings, key=lambda finding: not finding.help):
         family = finding.rule.id if finding.rule.id not in ("PAR101", "PAR102") else "PAR"
-        is_one = family in ("PAR", "TOP101") or finding.rule is TopicFromOutside  # whatever the names of the nodes are
+        is_one = (
+            family in ("PAR", "PAR103", "TOP101") or finding.rule is TopicFromOutside
+        )  # whatever the names of the nodes are
         text = "" if is_one else finding.message.partition(" (with ")[0]
         key = (family, finding.span, text) if finding.span.line else (family, finding.span, finding.message)
         if key not in seen:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from check_launch.misspellings import did_you_mean, nearest
+from check_launch.misspellings import did_you_mean, misspelt
 from check_launch.rules.launch_rules import FrameFromOutside, FramePublishedTwice, FrameWithoutTransform
 from check_launch.rules.system import RunningNode, System
 from roverlink.generator.diagnostics import Diagnostic
@@ -40,7 +40,7 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool) -> Iterator[Diagnostic]:
         for frame, place in looked_up:
             if frame in frames:
                 continue
-            near = nearest(frame, sorted(frames), 0.8)
+            near = misspelt(frame, frames)
             message = f"{node.name} looks up the frame '{frame}', but nothing publishes it"
             if near or is_closed:
                 yield FrameWithoutTransform.at(place, message, did_you_mean(near))

@@ -12,7 +12,7 @@ from typing import Any
 from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Parameter, PluginSlot
 from check_launch.expansion.parameter_files import UNKNOWN, GivenValue
 from check_launch.expansion.substitutions import UnknownTextError, evaluated
-from check_launch.misspellings import is_misspelling
+from check_launch.misspellings import is_misspelling, misspelt
 from check_launch.rules.stated_facts import stated_facts
 from roverlink.generator.diagnostics import Span
 
@@ -20,6 +20,8 @@ _LIST = re.compile(r"\{([^{}#*]+)\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
 _NUMBER = r"(0|[1-9]\d*)"
 _ANY_NAME = r"[^.]+"
+_MOST_PLUGINS = 200
+"""Longest list of plugins that is followed; behind a longer one, anything is possible."""
 _STAMPED = "enable_stamped_cmd_vel"
 _VELOCITIES = {"geometry_msgs/msg/Twist": False, "geometry_msgs/msg/TwistStamped": True}
 """Types of velocities, and whether they have a stamp."""
@@ -94,6 +96,14 @@ class ParameterView:
         """Return true if a parameter of this name may be one of a plugin that is not known."""
         return any(name.startswith(prefix) for prefix in self.open)
 
+    def may_have(self, name: str) -> bool:
+        """Return true for a parameter that is known, or one that an unknown class may have."""
+        return self.known(name) is not None or (self.is_open(name) and not self.is_misspelt(name))
+
+    def is_misspelt(self, name: str) -> bool:
+        """Return true for the misspelling of a parameter that is known and not given."""
+        return any(other not in self.given for other in misspelt(name, self.exact))
+
     @property
     def has_unknown(self) -> bool:
         """True if the node may have more parameters and topics, because it loads a plugin that is not known."""
@@ -105,6 +115,12 @@ class ParameterView:
         given = self.given.get("plugin_lib_names")
         names = given.value if given is not None else []
         return not isinstance(names, list) or not set(map(str, names)) <= set(stated_facts().tree_nodes)
+
+    def class_of(self, plugin: str) -> str:
+        """Return the class of a plugin, whose parameters begin with a text; empty if it is not known."""
+        types = (one.type for one in self.plugins if f"{one.name}." == plugin)
+        found = self.catalogue.plugins.get(next(types, None) or "")
+        return found.class_name if found else ""
 
     def value(self, name: str) -> Any:
         """Return the value of a parameter, or its default; `UNKNOWN` if neither is known, None if there is none."""
@@ -240,7 +256,7 @@ class ParameterView:
             self._load(LoadedPlugin(slot, prefix.rstrip("."), type_, place), prefix, prefix, seen)
             return
         names = self.names(full)
-        if names is None:
+        if names is None or len(names) > _MOST_PLUGINS:
             self.open.append(prefix)
             return
         if full in self.given:

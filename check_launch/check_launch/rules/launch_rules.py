@@ -172,6 +172,21 @@ class MissingFile(Rule, id="LCH111", severity=Severity.WARNING):
     """
 
 
+class InvalidName(Rule, id="LCH112"):
+    """A node, a namespace or a topic gets a name that ROS 2 refuses, so that the node does not start.
+
+    A name has letters, digits and `_`, and each of its parts begins with none of the digits.
+
+    Bad::
+
+        - node: {pkg: rviz2, exec: rviz2, name: rviz-2}
+
+    Good::
+
+        - node: {pkg: rviz2, exec: rviz2, name: rviz_2}
+    """
+
+
 class UnknownParameter(Rule, id="PAR101", severity=Severity.WARNING):
     """A node does not have a parameter.
 

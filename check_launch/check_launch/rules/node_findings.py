@@ -7,12 +7,13 @@ import re
 from collections.abc import Iterator
 
 from check_launch.expansion.parameter_files import UNKNOWN, GivenValue
-from check_launch.misspellings import did_you_mean, is_misspelling
+from check_launch.misspellings import did_you_mean, is_misspelling, misspelt, nearest
 from check_launch.rules.known_parameters import ParameterView
 from check_launch.rules.launch_rules import (
     BadPolygon,
     MissingParameter,
     NotManaged,
+    OutOfRange,
     PluginTwice,
     RefusedArguments,
     WrongLength,
@@ -48,6 +49,7 @@ def value_findings(view: ParameterView) -> Iterator[Diagnostic]:
     """Yield findings about values that the node refuses, and about parameters without which it does not start."""
     for given in view.given.values():
         yield from _of_length(given, view)
+    yield from _of_choices(view)
     yield from _of_polygons(view)
     yield from _of_needed(view)
     yield from _of_built_in_plugins(view)
@@ -60,6 +62,20 @@ def _of_length(given: GivenValue, view: ParameterView) -> Iterator[Diagnostic]:
         values = counted(len(given.value), "value")
         finding = WrongLength.at(given.place, f"'{given.name}' has {values}; it must have {wanted}")
         yield as_warning(finding) if given.name in stated_facts().tolerated else finding
+
+
+def _of_choices(view: ParameterView) -> Iterator[Diagnostic]:
+    for plugin in ("", *(f"{one.name}." for one in view.plugins)):
+        facts = view.facts.name if not plugin else view.class_of(plugin)
+        for pattern, choices in stated_facts().choices.get(facts, {}).items():
+            for name in view.spelled(pattern, plugin):
+                given = view.given.get(plugin + name)
+                if given is not None and isinstance(given.value, str) and given.value not in choices:
+                    message = (
+                        f"the parameter '{given.name}' is '{given.value}'; it must be one of: {', '.join(choices)}"
+                    )
+                    finding = OutOfRange.at(given.place, message, did_you_mean(nearest(given.value, choices)))
+                    yield as_warning(finding) if pattern in stated_facts().tolerated else finding
 
 
 def _of_polygons(view: ParameterView) -> Iterator[Diagnostic]:
@@ -123,7 +139,9 @@ def node_findings(system: System) -> Iterator[Diagnostic]:
         if node.started.package == "tf2_ros" and node.started.executable == "static_transform_publisher":
             yield from _of_static_transform(node)
         if node.facts is not None and node.facts.name == "nav2_lifecycle_manager::LifecycleManager":
-            yield from _of_lifecycle(node, system)
+            yield from _of_lifecycle(node, system, node.view.catalogue.distribution if node.view else "")
+        if node.started.package == "controller_manager" and node.started.executable == "spawner":
+            yield from _of_spawner(node, system)
 
 
 def _of_static_transform(node: RunningNode) -> Iterator[Diagnostic]:
@@ -155,7 +173,17 @@ def _of_static_transform(node: RunningNode) -> Iterator[Diagnostic]:
         yield RefusedArguments.at(at, message, help)
 
 
-def _of_lifecycle(manager: RunningNode, system: System) -> Iterator[Diagnostic]:
+def _of_spawner(spawner: RunningNode, system: System) -> Iterator[Diagnostic]:
+    """Yield a finding about a controller that the parameters of no controller manager have."""
+    name = next((word for word in spawner.started.arguments if word), "")
+    given = [one.name for node in system.nodes if node.view is not None for one in node.view.given.values()]
+    known = {one.removesuffix(".type") for one in given if one.endswith(".type")}
+    if name not in known and (near := misspelt(name, known)):
+        message = f"the spawner loads the controller '{name}', which no controller manager has"
+        yield RefusedArguments.at(spawner.started.place, message, did_you_mean(near))
+
+
+def _of_lifecycle(manager: RunningNode, system: System, distribution: str) -> Iterator[Diagnostic]:
     given = manager.view.given.get("node_names") if manager.view else None
     if given is None or given.value is UNKNOWN or not isinstance(given.value, list):
         return
@@ -168,6 +196,6 @@ def _of_lifecycle(manager: RunningNode, system: System) -> Iterator[Diagnostic]:
             if near:
                 message = f"{waits}: no node has this name"
                 yield NotManaged.at(given.place, message, did_you_mean(sorted(near)))
-        elif node.started.package in stated_facts().without_lifecycle:
+        elif {node.started.package, f"{node.started.package}@{distribution}"} & set(stated_facts().without_lifecycle):
             message = f"{waits}: it has no lifecycle"
             yield NotManaged.at(given.place, message, "remove it from node_names; it starts by itself")

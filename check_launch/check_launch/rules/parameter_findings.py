@@ -8,7 +8,14 @@ from typing import Any
 
 from check_launch.catalogue.facts import Catalogue, Parameter, PluginSlot
 from check_launch.expansion.parameter_files import UNKNOWN, GivenValue
-from check_launch.misspellings import all_nearest, did_you_mean, is_misspelling, is_near, nearest
+from check_launch.misspellings import (
+    all_nearest,
+    did_you_mean,
+    is_misspelling,
+    is_near,
+    is_other_axis,
+    nearest,
+)
 from check_launch.rules.known_parameters import LoadedPlugin, ParameterView
 from check_launch.rules.launch_rules import (
     MisplacedParameter,
@@ -32,8 +39,12 @@ _OF_LIBRARIES = re.compile(
 )
 """Parameters that the client libraries, diagnostic_updater and the publishers of image_transport declare."""
 _TYPES: dict[str, type | tuple[type, ...]] = {"bool": bool, "integer": int, "double": float, "string": str}
+_MOST_UNKNOWN = 200
+"""Unknown parameters of a node that are reported one by one: each search for the likely name takes milliseconds."""
 _SAME_PART, _SAME_NAME = 0.84, 0.85
 """Similarities from which the last part of a name, or a whole name, is likely a misspelling of another one."""
+_SHORT = 8
+"""Names with fewer letters may begin as another one without being meant for it."""
 _SPELLED = {
     bool: "a truth value",
     int: "a whole number",
@@ -58,7 +69,7 @@ def used_parameters(system: System) -> set[Use]:
         for node in system.nodes
         if node.view is not None
         for given in node.view.given.values()
-        if node.view.known(given.name) is not None or node.view.is_open(given.name)
+        if node.view.may_have(given.name)
     }
 
 
@@ -94,16 +105,25 @@ def view_findings(
     is_unsure = view.has_unknown or (view.is_partial and system is not None)
     for finding in _of_plugins(view):
         yield as_hint(finding) if view.is_partial and system is not None else finding
+    unknown: list[GivenValue] = []
     for given in view.given.values():
         if (given.name, given.place) in without:
             continue
         parameter = view.known(given.name)
         if parameter is not None:
             yield from _wrong_value(given, parameter)
-        elif not view.is_open(given.name) and not _OF_LIBRARIES.fullmatch(given.name):
-            near = any(is_misspelling(given.name, name) for name in view.exact)
-            finding = _unknown(given, shown, view, system)
-            yield as_hint(finding) if is_unsure and not near else finding
+        elif not _OF_LIBRARIES.fullmatch(given.name):
+            unknown.append(given)
+    for given in unknown[:_MOST_UNKNOWN]:
+        near = view.is_misspelt(given.name)
+        if view.is_open(given.name) and not near:
+            continue  # perhaps a parameter of a class that is not known
+        finding = _unknown(given, shown, view, system)
+        yield as_hint(finding) if is_unsure and not near else finding
+    if rest := [given for given in unknown[_MOST_UNKNOWN:] if not view.is_open(given.name)]:
+        message = f"{shown} has no parameter '{rest[0].name}', and none of {len(rest) - 1} more"
+        finding = UnknownParameter.at(rest[0].place, message)
+        yield as_hint(finding) if is_unsure else finding
     yield from _of_axes(view)
     for finding in value_findings(view):
         yield as_hint(finding) if view.is_partial and system is not None else finding
@@ -136,7 +156,8 @@ def _unknown(given: GivenValue, shown: str, view: ParameterView, system: System 
     ]
     if others:
         return MisplacedParameter.at(at, message, f"it belongs to {_listed(others)}")
-    near_last = nearest(last, dict.fromkeys(name.rpartition(".")[2] for name in known), _SAME_PART)
+    lasts = {name.rpartition(".")[2] for name in known}
+    near_last = nearest(last, sorted(one for one in lasts if not is_other_axis(last, one)), _SAME_PART)
     full = next((name for name in known if near_last and name.rpartition(".")[2] == near_last), "")
     return UnknownParameter.at(at, message, did_you_mean(full))
 
@@ -148,7 +169,9 @@ def _nearest_parameters(name: str, known: list[str]) -> list[str]:
     prefix, _, last = name.rpartition(".")
     beside = {other.rpartition(".")[2]: other for other in known if other.rpartition(".")[0] == prefix}
     others = [other for other in known if other not in beside.values()]
-    return [beside[part] for part in all_nearest(last, beside, _SAME_PART)] or all_nearest(name, others, _SAME_NAME)
+    near = [beside[part] for part in all_nearest(last, beside, _SAME_PART)] or all_nearest(name, others, _SAME_NAME)
+    longer = [other for other in known if other.startswith(name)] if len(name) >= _SHORT else []
+    return near or (longer if len(longer) <= 2 else [])
 
 
 def _listed(names: Iterable[str]) -> str:
@@ -233,8 +256,8 @@ def _of_plugins(view: ParameterView) -> Iterator[Diagnostic]:
             known = sorted(
                 {name.rpartition(".")[0] for name in view.given if name.endswith(f".{plugin.slot.type_key}")}
             )
-            misspelt = [name for name in known if is_misspelling(plugin.name, name)]
-            help = did_you_mean([name.rpartition(".")[2] for name in misspelt], f"set '{key}'")
+            near = [name for name in known if is_misspelling(plugin.name, name)]
+            help = did_you_mean([name.rpartition(".")[2] for name in near], f"set '{key}'")
             yield UnknownPlugin.at(at, f"the plugin '{plugin.name}' has no type", help)
         elif not plugin.base:
             yield _unknown_plugin(plugin, at, view.catalogue)
@@ -280,8 +303,8 @@ def _unknown_plugin(plugin: LoadedPlugin, at: Span, catalogue: Catalogue) -> Dia
     if same := spelled.get(re.sub("::|/", "/", type_)):
         return UnknownPlugin.at(at, message, did_you_mean(same))
     package = re.split(r"::|/", type_)[0]
-    if misspelt := sorted(name for name in (*fitting, *short) if is_misspelling(type_, name)):
-        return UnknownPlugin.at(at, message, did_you_mean(misspelt))
+    if likely := sorted(name for name in (*fitting, *short) if is_misspelling(type_, name)):
+        return UnknownPlugin.at(at, message, did_you_mean(likely))
     if longer := sorted(name for name in short if type_ and name.startswith(type_)):  # without its ending, `Critic`
         return UnknownPlugin.at(at, message, did_you_mean(longer))
     if package in catalogue.packages or (package == type_ and not plugin.slot.spellings):

@@ -9,12 +9,14 @@ from check_launch.catalogue.facts import Catalogue, NodeClass
 from check_launch.expansion.parameter_files import GivenValue, Section
 from check_launch.misspellings import did_you_mean, is_misspelling
 from check_launch.rules.known_parameters import ParameterView
-from check_launch.rules.launch_rules import RepeatedParameter, SectionWithoutNode, as_hint
+from check_launch.rules.launch_rules import RepeatedParameter, SectionWithoutNode, WrongType, as_hint
 from check_launch.rules.parameter_findings import view_findings
 from check_launch.rules.stated_facts import stated_facts
 from check_launch.rules.system import RunningNode, System
 from roverlink.generator.diagnostics import Diagnostic, Span
 
+_KINDS = {bool: "truth values", int: "whole numbers", float: "floating point numbers", list: "lists"}
+"""Types of the items of a list, in messages."""
 _ENOUGH = 0.5
 """Share of a section's parameters that a node has to have, so that the section is that node's."""
 
@@ -67,7 +69,7 @@ class Sections:
     def findings(self) -> Iterator[Diagnostic]:
         """Yield findings about the sections of all files that launch files give to nodes."""
         for (shown, _, _), loaded in self._loaded.items():
-            yield from _repeated(loaded.section)
+            yield from _of_file(loaded.section, any(not node.started.plugin for node in loaded.nodes.values()))
             if not loaded.is_read:
                 yield from self._unread(loaded.section, shown, list(loaded.nodes.values()))
 
@@ -107,9 +109,10 @@ class Sections:
         if node.facts is None:
             return is_alone and section.node_name not in self._classes
         usual = self._classes.get(section.node_name)
-        if usual is not None:
-            return usual.name == node.facts.name
-        return self._fits(section.values, node.facts) >= _ENOUGH
+        if usual is not None and usual.name == node.facts.name:
+            return True
+        is_other = usual is not None and usual.name.rpartition("::")[0] != node.facts.name.rpartition("::")[0]
+        return not is_other and self._fits(section.values, node.facts) >= _ENOUGH
 
     def standalone(self, sections: Iterable[Section], shown: str, is_unused: bool) -> Iterator[Diagnostic]:
         """Yield findings about the sections of a file that no launch file of the check gives to a node.
@@ -118,7 +121,7 @@ class Sections:
         there are launch files that could have used the file, and the findings are hints.
         """
         for section in sections:
-            yield from _repeated(section)
+            yield from _of_file(section)
             facts = self._classes.get(section.node_name)
             if facts is not None and self._fits(section.values, facts) > 0:
                 self.read_files.add(shown)
@@ -174,10 +177,19 @@ def _by_name(catalogue: Catalogue) -> dict[str, NodeClass]:
     return found
 
 
-def _repeated(section: Section) -> Iterator[Diagnostic]:
+def _of_file(section: Section, is_of_program: bool = True) -> Iterator[Diagnostic]:
+    """Yield findings that hold whatever node reads a section; ``is_of_program`` if one is not in a container."""
     seen: dict[str, Span] = {}
     for given in section.values:
         if given.name in seen:
             message = f"the parameter '{given.name}' stands again further down, and only the last one has an effect"
             yield RepeatedParameter.at(seen[given.name], message)
         seen[given.name] = given.place
+        # `Sequence should be of same type` and `Sequences cannot be nested` of rcl_yaml_param_parser
+        kinds = {type(item) for item in given.value} if is_of_program and isinstance(given.value, list) else set()
+        if len(kinds) > 1 or kinds & {list, dict}:
+            message = (
+                f"the list '{given.name}' contains {' and '.join(sorted(_KINDS.get(kind, 'texts') for kind in kinds))}"
+            )
+            help = f"write {list(map(float, given.value))}" if kinds == {int, float} else ""
+            yield WrongType.at(given.place, f"{message}; ROS 2 reads lists of values of one type only", help)

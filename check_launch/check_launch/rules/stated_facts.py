@@ -23,6 +23,8 @@ class StatedFacts:
     usual_names: Mapping[str, str]
     """Names that programs give to their nodes, by package and executable."""
     lengths: Mapping[str, Mapping[str, list[int]]]
+    choices: Mapping[str, Mapping[str, list[str]]]
+    """Values that a parameter may have, by the pattern of its name."""
     polygons: Mapping[str, list[str]]
     needed: Mapping[str, list[str]]
     tolerated: list[str]

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass, field
 from itertools import pairwise
 
 from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Package
 from check_launch.expansion.expander import Expansion, FileUse, StartedNode, StartedRemapping, joined
 from check_launch.expansion.parameter_files import GivenValue, Section
-from check_launch.misspellings import did_you_mean, nearest
+from check_launch.misspellings import did_you_mean, misspelt, nearest
 from check_launch.rules.known_parameters import ParameterView
 from check_launch.rules.launch_rules import (
     MisspeltPackage,
@@ -109,7 +109,7 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
     """Return the nodes that an expanded launch file starts, and findings about packages and executables."""
     system = System(has_unknown=bool(expansion.skipped) or expansion.runs_programs)
     for started in expansion.nodes:
-        facts = _facts(started, catalogue, system)
+        facts = _facts(started, catalogue, system, expansion.dependencies)
         usual = _usual_name(started, facts)
         name = started.name or usual or (started.executable or started.plugin or "node").rpartition("::")[2]
         namespace = started.namespace if started.namespace is not None else ""
@@ -127,7 +127,7 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
         ]
         if node.facts is not None:
             _complete(node, node.facts, catalogue)
-            system.nodes += _loaded_nodes(node, catalogue)
+            system.nodes += _loaded_nodes(node, catalogue, system)
     for node in system.nodes:
         node.transforms = list(_with_frames_of_topics(node, system))
         if node.facts is not None and node.facts.has_open_topics:
@@ -135,7 +135,7 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
     return system
 
 
-def _loaded_nodes(node: RunningNode, catalogue: Catalogue) -> Iterator[RunningNode]:
+def _loaded_nodes(node: RunningNode, catalogue: Catalogue, system: System) -> Iterator[RunningNode]:
     """Yield the nodes that a node creates for plugins that its parameters name, such as a controller manager."""
     for inner in node.facts.nodes if node.facts else ():
         if not inner.type_parameter or node.view is None:
@@ -144,6 +144,9 @@ def _loaded_nodes(node: RunningNode, catalogue: Catalogue) -> Iterator[RunningNo
         for name, given in node.view.given.items():
             if match := pattern.fullmatch(name):
                 plugin = catalogue.plugins.get(str(given.value))
+                if plugin is None and (near := misspelt(str(given.value), catalogue.plugins)):
+                    message = f"unknown plugin '{given.value}' for '{name}'"
+                    system.findings.append(UnknownPlugin.at(given.place, message, did_you_mean(near)))
                 facts = catalogue.classes.get(plugin.class_name) if plugin else None
                 yield RunningNode(node.started, facts, match[1], node.namespace, is_inner=True)
 
@@ -206,8 +209,11 @@ def _usual_name(started: StartedNode, facts: NodeClass | None) -> str:
     return stated or (facts.default_name if facts is not None else "")
 
 
-def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeClass | None:
-    """Return the facts about a started node; report unknown packages and executables."""
+def _facts(started: StartedNode, catalogue: Catalogue, system: System, dependencies: Set[str]) -> NodeClass | None:
+    """Return the facts about a started node; report unknown packages and executables.
+
+    ``dependencies`` are packages that manifests name, so that they exist.
+    """
     package, executable = started.package, started.executable
     if package is None or (executable is None and not started.plugin):
         system.has_unknown = True
@@ -218,7 +224,7 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
         if package in _WITHOUT_NODES and executable in _CONTAINERS:
             return None
         system.has_unknown = True
-        if near := nearest(package, catalogue.packages, 0.86):
+        if package not in dependencies and (near := misspelt(package, {*catalogue.packages, *dependencies})):
             system.findings.append(MisspeltPackage.at(at, f"unknown package '{package}'", did_you_mean(near)))
         else:
             system.findings.append(
@@ -227,6 +233,11 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System) -> NodeCl
         return None
     if known.is_partial and not (started.plugin or executable in known.executables):
         system.has_unknown = True
+        if (executable or "").removesuffix(".py") in known.executables:  # as before Humble
+            message = f"the package '{package}' has no executable '{executable}'"
+            system.findings.append(
+                UnknownExecutable.at(at, message, did_you_mean((executable or "").removesuffix(".py")))
+            )
         return None
     if started.plugin:
         return _component(started.plugin, known, catalogue, system, at)

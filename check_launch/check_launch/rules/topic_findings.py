@@ -43,12 +43,18 @@ def used_remappings(system: System) -> set[Use]:
     """Return the remappings that have an effect in a node, or that may have one in a node that is not known."""
     found = set()
     for nodes in _processes(system):
-        is_known = all(node.facts is not None and not node.facts.has_open_topics for node in nodes)
+        is_known = not any(_may_have_more(node) for node in nodes)
         for rule in nodes[0].started.remappings:
             matches = any(_names(node, source) for node in nodes for source in sources_of(rule, node))
             if rule.source is not None and (matches or not is_known or _is_of_all(rule, nodes)):
                 found.add((rule.source, rule.place))
     return found
+
+
+def _may_have_more(node: RunningNode) -> bool:
+    """Return true if a node may have topics that are not known, also those of nodes that it loads into its process."""
+    facts = node.facts
+    return facts is None or facts.has_open_topics or facts.is_partial or any(one.type_parameter for one in facts.nodes)
 
 
 def ends_of(system: System) -> set[tuple[str, str]]:
@@ -174,9 +180,7 @@ def _missing(
         if (ends := [end for end in _ends(connections, kind) if _fits(end, connection)])
     }
     # A name that is used at both ends already is no misspelling of this one, unless somebody has written this one.
-    candidates = [
-        name for name in fitting if connection.is_named or not _has_both(topics[name]) or fitting[name].is_named
-    ]
+    candidates = [name for name in fitting if connection.is_named or not _has_both(topics[name])]
     similar = get_close_matches(topic, candidates, 3, _SIMILAR)
     near = [name for name in similar if _is_misspelling(topic, name, connection.is_named or fitting[name].is_named)]
     if (
