@@ -64,15 +64,17 @@ class OdometryPoint:
         distance is that of the speed, if the message has one.
         """
         moved = self.pose.inverse() @ later.pose
+        mean_slip = 0.0
         if math.isnan(later.slip):
             lever = turn_lever(moved)
             growth = _growth(self, later)
             slipped = (growth - growth[2, 2] * np.outer(lever, lever))[:2, :2]
         else:
             slipped = np.diag(np.subtract(later.slipped, self.slipped))
-        deviations = np.sqrt([self.covariance[2, 2], later.covariance[2, 2]]).tolist()
-        yaw = YawError(*deviations, math.exp(self.forgotten - later.forgotten))
-        return slipping_motion(moved, slipped, later.rolled - self.rolled, yaw)
+            mean_slip = OdometryNoise().mean_slip
+        before, after = (math.sqrt(max(point.covariance[2, 2], 0.0)) for point in (self, later))
+        yaw = YawError(before, after, math.exp(self.forgotten - later.forgotten))
+        return slipping_motion(moved, slipped, later.rolled - self.rolled, yaw, mean_slip)
 
 
 def _growth(before: OdometryPoint, after: OdometryPoint) -> Floats:
@@ -90,7 +92,7 @@ def _correlation(before: OdometryPoint, after: OdometryPoint) -> float:
     The variances of both errors are those of the messages. That of their difference follows from the variance of the
     angular velocity. It is at most the change of the variance, which is that of independent errors.
     """
-    first, second = before.covariance[2, 2], after.covariance[2, 2]
+    first, second = (float(point.covariance[2, 2]) for point in (before, after))
     turned = after.yaw_rate_variance * ((after.stamp - before.stamp) / 1e9) ** 2
     both = 2 * math.sqrt(max(first * second, 0.0))
     if not both:

@@ -23,7 +23,7 @@ which is y before and Y after the motion. If c is the correlation of both errors
 the turn is (c Y - y) e + Y sqrt(1 - c^2) w, with an independent w of variance 1, and the error after is c e +
 sqrt(1 - c^2) w. So the covariance of the odometry comes back, however many poses the graph has on the way.
 
-The mean of the slip stays the same, too. The state has it in units of the odometry's `mean_slip`.
+The mean of the slip stays the same, too. The state has it in units of its standard deviation.
 """
 
 from __future__ import annotations
@@ -35,15 +35,14 @@ import numpy as np
 
 from roverkit.driving.arcs import PlanarPose
 from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, adjoint, rotation
-from roverkit.odometry.dead_reckoning import OdometryNoise
 from roverkit.simulation.rover_model import SLIP_LENGTH_M
 
 STATES = 7
 """Size of the rover's state: x, y, yaw, and the errors of the odometry: slip ahead and sideways, yaw, and mean slip."""
 ERRORS = STATES - 3
 _SLIP, _POSE = slice(3, 5), slice(0, 3)
-_FLOOR = np.diag([1e-3, 1e-3, 5e-4, *[1e-3] * ERRORS]) ** 2
-"""Least covariance of a motion: a millimetre and half a milliradian. GTSAM cannot invert that of an exact motion."""
+_FLOOR = np.diag([1e-3] * STATES) ** 2
+"""Least covariance of a motion: a millimetre and a milliradian. GTSAM cannot invert that of an exact motion."""
 _MOST_SLIP = 0.3
 """Standard deviation of the slip that no rover has. What grows faster is not slip: a silent board, for example."""
 _SHORTEST = 1e-3
@@ -92,10 +91,13 @@ class SlippingMotion:
         return PlanarGaussian(pose_of(self.state_after(start)), spread)
 
 
-def slipping_motion(pose: PlanarPose, growth: Floats, distance: float, yaw: YawError) -> SlippingMotion:
+def slipping_motion(
+    pose: PlanarPose, growth: Floats, distance: float, yaw: YawError, mean_slip: float = 0.0
+) -> SlippingMotion:
     """Return a motion from its pose by odometry, and from the growth (2, 2) of the covariance by slip.
 
-    The growth is in the axes of the end. ``distance`` is what the rover has driven, in metres.
+    The growth is in the axes of the end. ``distance`` is what the rover has driven, in metres. ``mean_slip`` is the
+    standard deviation of the slip's mean, if the growth does not contain it.
     """
     root = math.copysign(1.0, pose.x) * _root(growth)
     root *= min(1.0, _MOST_SLIP * math.sqrt(2 * SLIP_LENGTH_M * distance) / (float(np.linalg.norm(root)) or 1.0))
@@ -108,7 +110,7 @@ def slipping_motion(pose: PlanarPose, growth: Floats, distance: float, yaw: YawE
     by_errors[:2, :2] = root * scale
     by_errors[:, 2] = lever * (yaw.correlation * yaw.after - yaw.before)
     back = pose.inverse()
-    by_errors[:2, 3] = OdometryNoise().mean_slip * np.array([back.x, back.y])
+    by_errors[:2, 3] = mean_slip * np.array([back.x, back.y])
     covariance = _FLOOR.copy()
     # The uncertainty by a silent board ends when it speaks again, and is no slip.
     covariance[:2, :2] += _squared(growth) - (1 - uncorrelated) * root @ root.T
