@@ -22,8 +22,6 @@ FALSE_ALARM = 1e-3
 """Probability with which a gate refuses a right input."""
 _CHANCE = 1e-9
 """Probability of refused inputs in a row from which chance does not explain them: that of three of them."""
-_HALF_LIMIT = 700.0
-"""Half of chi squared from which its tail is 0 as a number."""
 PATIENCE_NS = 10_000_000_000
 """Time in nanoseconds without a result after which the reason is said."""
 
@@ -34,11 +32,11 @@ def chi_squared_tail(squared: float, freedom: int) -> float:
     Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 26.4.4 to 26.4.8.
     """
     half = squared / 2
-    if not half < _HALF_LIMIT:  # also an overflow, and what is no number
-        return 0.0
+    if not 0 < half < math.inf:  # also what is no number
+        return float(half <= 0)
     tail, term = (math.erfc(math.sqrt(half)), 0.5) if freedom % 2 else (math.exp(-half), 1.0)
     while term < freedom / 2:
-        tail += math.exp(-half) * half**term / math.gamma(term + 1)
+        tail += math.exp(term * math.log(half) - half - math.lgamma(term + 1))
         term += 1
     return tail
 
@@ -46,8 +44,8 @@ def chi_squared_tail(squared: float, freedom: int) -> float:
 @cache
 def gate_limit(freedom: int) -> float:
     """Return the squared innovation from which a gate refuses an input with some degrees of freedom."""
-    low, high = 0.0, 1000.0
-    while high - low > 1e-9:
+    low, high = 0.0, 20.0 * (freedom + 1)
+    while high - low > 1e-9 * high:
         middle = (low + high) / 2
         low, high = (middle, high) if chi_squared_tail(middle, freedom) > FALSE_ALARM else (low, middle)
     return high

@@ -36,6 +36,7 @@ def _score(drive: Drive, found: Mapping[float, Estimate], times: Sequence[float]
 
 def _judge(drive: Drive, noise: Noise) -> tuple[Sequence[str], str]:
     """Return the row of a drive, and what was said about it."""
+    drive = drive.undelayed(noise.delay).with_fix_variance(noise.fix_variance)
     (ours, said), theirs = fused(drive, noise), filtered(drive, noise)
     times = sorted(ours.keys() & theirs.keys())
     scores = [
@@ -70,6 +71,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--mrclam", nargs="+", type=Path, default=[], metavar="FOLDER", help="folders of MRCLAM")
     parser.add_argument("--smartloc", nargs="+", type=Path, default=[], metavar="FILE", help="inputs of smartLoc")
     parser.add_argument("--simulated", type=int, default=0, metavar="COUNT", help="number of simulated drives")
+    parser.add_argument("--far", type=int, default=0, metavar="COUNT", help="number of simulated drives of 100 m")
     parser.add_argument(
         "--seconds", type=float, default=math.inf, help="longest time of a recorded drive (default: all)"
     )
@@ -100,6 +102,11 @@ def main(words: Sequence[str]) -> int:
             "NEES",
         )
         tables.append(Table("Simulated drives", columns, [Group("4 landmarks, 5 % slip", rows)]))
+    if options.far:
+        from rover.bench.fusion.simulated import far  # as above
+
+        rows = far(range(options.far))
+        tables.append(Table("Drives of 100 m", ("figure", "measured"), [Group("4 landmarks, no GPS, 5 % slip", rows)]))
     data = {group.heading: group.rows for table in tables for group in table.groups}
     results = {"fusion": SectionResult(tables, data=data)}
     report(results, options.json)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -26,6 +26,8 @@ PERIOD_S = 0.1
 """Time between two messages of odometry."""
 _WINDOW_S = 5.0
 """Time over which motions are compared with the truth: far more than errors are alike."""
+_LASTING = 50
+"""Number of fixes after which their errors are others: ten seconds."""
 _FAR = 12.0
 """Median absolute deviations beyond which a value is a mistake: 8 standard deviations of a normal distribution."""
 
@@ -41,10 +43,16 @@ class Noise:
     """After one metre, or one radian."""
     distance_scale: float = 1.0
     turn_scale: float = 1.0
-    range_offset: float = 0.0
-    bearing_offset: float = 0.0
+    range_scale: float = 1.0
+    """Measured range, as a part of the true one."""
     range_deviation: float = 1.0
+    """Standard deviation of the range, as a part of it: the errors are proportional to the range."""
+    bearing_offset: float = 0.0
     bearing_deviation: float = 1.0
+    delay: float = 0.0
+    """Time in seconds between an image and the stamp of its sightings."""
+    fix_variance: float = 1.0
+    """Factor by which variances of fixes are too small: their errors are larger, and last for many fixes."""
 
     def covariance(self, distance: float, turn: float) -> Floats:
         """Return the covariance (3, 3) of a motion ahead, sideways and of the yaw."""
@@ -104,6 +112,15 @@ class Drive:
         times, *axes = self._truth
         return np.array([np.interp(time, times, axis) for axis in axes])
 
+    def undelayed(self, delay: float) -> Drive:
+        """Return the drive with stamps of the sightings that are those of the images."""
+        return replace(self, sightings={time - delay: seen for time, seen in self.sightings.items()})
+
+    def with_fix_variance(self, factor: float) -> Drive:
+        """Return the drive with the variances of fixes times a factor."""
+        fixes = {time: replace(fix, covariance=fix.covariance * factor) for time, fix in self.fixes.items()}
+        return replace(self, fixes=fixes)
+
     @property
     def times(self) -> Floats:
         """Times of odometry, from the start on."""
@@ -113,7 +130,7 @@ class Drive:
 
 def calibrated(others: list[Drive]) -> Noise:
     """Return the errors of the sensors by other drives, whose truth is known."""
-    motions, ranges, bearings = [], [], []
+    motions, ranges, bearings, rates = [], [], [], []
     for drive in others:
         for since in np.arange(drive.start, drive.times[-1] - _WINDOW_S, _WINDOW_S):
             pose = np.zeros(3)
@@ -126,8 +143,9 @@ def calibrated(others: list[Drive]) -> Noise:
         for time, seen in drive.sightings.items():
             for landmark, (distance, bearing) in seen.items():
                 expected = range_bearing(drive.true_pose(time), drive.landmarks[landmark])
-                ranges.append(distance - expected[0])
+                ranges.append(distance / expected[0])
                 bearings.append(math.remainder(bearing - expected[1], 2 * math.pi))
+                rates.append(drive.motion(time - PERIOD_S, time + PERIOD_S)[1] / (2 * PERIOD_S))
     table = np.array(motions)
     true, by_odometry, (way, turn) = table[:, :3], table[:, 3:6], table[:, 6:].T
     squares = (by_odometry**2).sum(axis=0)
@@ -137,17 +155,38 @@ def calibrated(others: list[Drive]) -> Noise:
     ways, whole = way.sum(), (way + turn).sum()
     motion = math.sqrt(along / ways), math.sqrt(side / ways), math.sqrt(turned / whole), scale, turn_scale
     if not ranges:
-        return Noise(*motion)
-    (range_offset, range_deviation), (bearing_offset, bearing_deviation) = map(_typical, (ranges, bearings))
-    return Noise(*motion, range_offset, bearing_offset, range_deviation, bearing_deviation)
+        return Noise(*motion, fix_variance=_fix_variance(others))
+    range_scale, range_deviation = np.mean(kept := _without_mistakes(ranges)[1]), np.std(kept)
+    which, missed = _without_mistakes(bearings)
+    delay, offset = np.polyfit(rate := np.array(rates)[which], missed, 1)
+    deviation = np.std(missed - delay * rate)
+    return Noise(*motion, *map(float, (range_scale, range_deviation, offset, deviation, delay)))
 
 
-def _typical(values: list[float]) -> tuple[float, float]:
-    """Return the mean and the standard deviation, without those that are far off: they are mistakes, and no noise."""
+def _fix_variance(drives: list[Drive]) -> float:
+    """Return the variance of the sum of successive normalized errors of fixes, over the number of fixes.
+
+    It is the factor for errors that last: a filter that takes them for independent ones needs it. It follows from the
+    median, because filters leave out mistakes.
+    """
+    factors = []
+    for drive in drives:
+        missed = [
+            np.linalg.solve(np.linalg.cholesky(fix.covariance), fix.position - drive.true_pose(time)[:2])
+            for time, fix in drive.fixes.items()
+        ]
+        for start in range(0, len(missed) - _LASTING, _LASTING):
+            whole = np.sum(missed[start : start + _LASTING], axis=0)
+            factors.append(whole @ whole / 2 / _LASTING)
+    return float(np.median(factors)) / math.log(2) if factors else 1.0
+
+
+def _without_mistakes(values: list[float]) -> tuple[NDArray[np.bool_], Floats]:
+    """Return which values are errors of a sensor and no mistakes, such as a wrong number, and these values."""
     found = np.array(values)
     distances = np.abs(found - np.median(found))
-    found = found[distances < _FAR * np.median(distances)]
-    return float(found.mean()), float(found.std())
+    which = distances < _FAR * np.median(distances)
+    return which, found[which]
 
 
 def moved(pose: Floats, distance: float, turn: float) -> Floats:

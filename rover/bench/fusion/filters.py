@@ -41,13 +41,9 @@ class GatedFilter:
         expected, angle = range_bearing(self.pose, place)
         x, y = (place - self.pose[:2]) / expected
         derivative = np.array([[-x, -y, 0], [y / expected, -x / expected, -1]])
-        missed = np.array(
-            [
-                distance - noise.range_offset - expected,
-                math.remainder(bearing - noise.bearing_offset - angle, 2 * math.pi),
-            ]
-        )
-        self._correct(missed, derivative, np.diag([noise.range_deviation, noise.bearing_deviation]) ** 2)
+        bearing = math.remainder(bearing - noise.bearing_offset - angle, 2 * math.pi)
+        missed = np.array([distance / noise.range_scale - expected, bearing])
+        self._correct(missed, derivative, np.diag([noise.range_deviation * expected, noise.bearing_deviation]) ** 2)
 
     def locate(self, fix: Fix) -> None:
         """Take a position by GNSS."""

@@ -121,10 +121,10 @@ def _first(name: int, place: Floats) -> vision_msgs.Detection3DArray:
 def _sightings(seen: Mapping[int, tuple[float, float]], noise: Noise, stamp: int) -> vision_msgs.Detection3DArray:
     detections = []
     for name, (distance, bearing) in seen.items():
-        distance, bearing = distance - noise.range_offset, bearing - noise.bearing_offset
+        distance, bearing = distance / noise.range_scale, bearing - noise.bearing_offset
         cosine, sine = math.cos(bearing), math.sin(bearing)
         turned = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
-        own = np.diag([noise.range_deviation, distance * noise.bearing_deviation, _UNKNOWN_RAD]) ** 2
+        own = np.diag([distance * noise.range_deviation, distance * noise.bearing_deviation, _UNKNOWN_RAD]) ** 2
         place = np.array([distance * cosine, distance * sine, 0.0])
         detections.append(_detection(name, place, turned @ own @ turned.T))
     return vision_msgs.Detection3DArray(header_of(stamp, "base_link"), detections)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,9 @@ _CONFIG = Path(__file__).parents[2] / "navigation" / "config" / "ekf.yaml"
 _PLANE = [0, 1, 5, 6, 7, 11, 12, 13]
 """States of robot_localization that do not stay zero on a plane."""
 _SEEN_M, _METRES = 10.0, 40.0
+_FAR_M = 100.0
+_LARGE = 9.348
+"""97.5 % quantile of chi squared with 3 degrees of freedom, from tables."""
 
 
 def compared(seeds: Sequence[int], *, landmarks: bool, gps: bool) -> list[str]:
@@ -84,6 +88,43 @@ def _scores(seed: int, landmarks: bool, gps: bool) -> list[float]:
         rover.drive(_METRES, watch)
     ours, normalized, theirs, other_normalized = np.mean(misses, axis=0)
     return [math.sqrt(ours), normalized, math.sqrt(theirs), other_normalized]
+
+
+def far(seeds: Sequence[int]) -> list[list[str]]:
+    """Return the figures of drives of 100 m with landmarks: what was measured, and its value."""
+    with ProcessPoolExecutor() as pool:
+        rmse, alone, mean, end, alone_end = np.array(list(pool.map(_far, seeds))).T
+    worse = int((alone > rmse).sum())
+    return [
+        ["RMSE of the position, cm: largest, mean", f"{100 * rmse.max():.1f}, {100 * rmse.mean():.1f}"],
+        ["RMSE of the odometry alone, cm: mean; drives in which it is larger", f"{100 * alone.mean():.0f}; {worse}"],
+        ["NEES of the pose: mean over the drives, mean at their ends", f"{mean.mean():.1f}, {end.mean():.1f}"],
+        ["NEES of the odometry alone, mean at the ends", f"{alone_end.mean():.1f}"],
+        [f"drives at whose end the NEES is above {_LARGE:.2f}", f"{int((end > _LARGE).sum())}"],
+    ]
+
+
+def _far(seed: int) -> list[float]:
+    """Return both RMSE in metres, the mean NEES, and the NEES of both at the end, of one drive."""
+    ours: list[float] = []
+    alone: list[float] = []
+    normalized: list[float] = []
+
+    def watch() -> None:
+        if rover.fused and rover.is_current:
+            error, covariance = rover.error
+            ours.append(float(error[:2] @ error[:2]))
+            other, _ = rover.odometry_error
+            alone.append(float(other[:2] @ other[:2]))
+            normalized.append(float(error @ np.linalg.solve(covariance, error)))
+
+    with ExitStack() as stack:
+        rover = FieldDrive(seed, stack)
+        rover.stand(2)
+        rover.drive(_FAR_M, watch)
+        error, covariance = rover.odometry_error
+    squared = float(error @ np.linalg.solve(covariance, error))
+    return [*np.sqrt([np.mean(ours), np.mean(alone)]), float(np.mean(normalized)), normalized[-1], squared]
 
 
 def _other() -> RobotLocalization:

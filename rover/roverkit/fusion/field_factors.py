@@ -1,7 +1,7 @@
 """Factors of the graph between states of the rover and landmarks, and their derivatives.
 
-A state is a vector (5,): x, y and yaw on the field, and the slip (`slipping_motion`). It is one variable, because the
-versions of GTSAM for Python 3.10 give no joint covariance of two variables.
+A state is a vector (7,): x, y and yaw on the field, and the errors of the odometry (`slipping_motion`). It is one
+variable, because the versions of GTSAM for Python 3.10 give no joint covariance of two variables.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from roverkit.fusion.gtsam_library import gtsam
 from roverkit.fusion.planar_gaussian import Floats, rotation
 from roverkit.fusion.slipping_motion import STATES, SlippingMotion
 
-_POSE, _SLIP = slice(0, 3), slice(3, STATES)
+_POSE, _ERRORS = slice(0, 3), slice(3, STATES)
 
 
 def motion_factor(start: int, end: int, motion: SlippingMotion) -> Any:
@@ -28,11 +28,12 @@ def motion_factor(start: int, end: int, motion: SlippingMotion) -> Any:
         if derivatives is not None:
             by_start, by_end = np.zeros((STATES, STATES)), np.eye(STATES)
             by_start[_POSE, _POSE] = by_before @ rotation(before[2]).T
-            by_start[_POSE, _SLIP] = -motion.by_slip
-            by_start[_SLIP, _SLIP] = -motion.kept * np.eye(2)
+            by_start[_POSE, _ERRORS] = -motion.by_errors
+            by_start[_ERRORS, _ERRORS] = -np.diag(motion.kept)
             by_end[_POSE, _POSE] = by_after @ rotation(after[2]).T
             derivatives[0], derivatives[1] = by_start, by_end
-        return np.concatenate([missed - motion.by_slip @ before[_SLIP], after[_SLIP] - motion.kept * before[_SLIP]])
+        errors = before[_ERRORS]
+        return np.concatenate([missed - motion.by_errors @ errors, after[_ERRORS] - motion.kept * errors])
 
     return gtsam.CustomFactor(gtsam.noiseModel.Gaussian.Covariance(motion.covariance), [start, end], error)
 

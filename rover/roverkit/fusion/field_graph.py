@@ -9,11 +9,12 @@ sighting. If it does not, and agrees with that of another landmark, its number i
 been moved. Several such sightings that agree with each other are of a moved landmark, which becomes a new variable. All
 other sightings are left out.
 
-The slip of the wheels is a part of each pose's variable, because it goes on from one motion to the next one.
+The errors of the odometry (`slipping_motion`) are parts of each pose's variable, because they go on from
+one motion to the next one. So a motion of the graph is short, also while nothing is seen (`follow`).
 
 The sightings of one landmark that are used are some distance apart. The errors of sightings from one place are the
-same, so they tell nothing new. The graph grows with the distance that the rover drives, by up to 5 poses a metre for
-each landmark that is seen alone.
+same, so they tell nothing new. The graph grows with the distance that the rover drives, by a pose a metre, and by up to
+5 for each landmark that is seen alone.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from roverkit.fusion.gtsam_library import gtsam
 from roverkit.fusion.landmark_agreement import agreeing
 from roverkit.fusion.odometry_track import OdometryPoint
 from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, squared_distance, squared_way
-from roverkit.fusion.slipping_motion import pose_of, state_of
+from roverkit.fusion.slipping_motion import ERRORS, pose_of, state_of
 from roverkit.gating import Reasons, gate_limit
 
 _APART_M = 0.25
@@ -39,14 +40,16 @@ _APART_RAD = 0.15
 """Least distance and angle between two sightings of a landmark."""
 _GPS_APART_M = 1.0
 """Least distance between two GPS positions: the errors of successive ones are nearly the same."""
+_STEP_M = 1.0
+"""Distance on the way to the next input after which the graph gets a pose."""
 _SEVERAL = 3
 """Sightings that must agree with each other before they contradict what is known about a landmark."""
 _ENOUGH = 2
 """Landmarks that must agree before there is a pose, if the survey has more: a single one may have been moved."""
 _HELD = gtsam.noiseModel.Isotropic.Sigma(3, 1e-3)
 """Uncertainty of the first pose while landmarks are compared: without the survey, nothing else holds the graph."""
-_ANY_SLIP = gtsam.noiseModel.Unit.Create(2)
-"""Uncertainty of the slip at the first pose, in its standard deviations."""
+_ANY_ERRORS = gtsam.noiseModel.Unit.Create(ERRORS)
+"""Uncertainty of the errors of the odometry at the first pose, in their standard deviations."""
 _ROUNDS = 3
 """Steps in which the solution converges after all has moved."""
 
@@ -137,8 +140,8 @@ class FieldGraph(Generic[T]):
             best = min(detections, key=lambda landmark: float(np.trace(detections[landmark].covariance)))
             self._trusted = frozenset({best})
             predicted = self._surveyed[best] @ detections[best].inverse()
-            start = state_of(predicted.pose, np.zeros(2))
-            factors.add(state_factor(gtsam.symbol("x", 0), 3, start[3:], _ANY_SLIP))
+            start = state_of(predicted.pose, np.zeros(ERRORS))
+            factors.add(state_factor(gtsam.symbol("x", 0), 3, start[3:], _ANY_ERRORS))
         else:
             predicted = self._predicted(point)
             start = self._follow(point, factors)
@@ -248,6 +251,14 @@ class FieldGraph(Generic[T]):
         key = self._add_pose(point, self._follow(point, factors), values)
         factors.add(state_factor(key, 0, position, _robust(covariance)))
         self._last_gps = point
+        self._solve(factors, values)
+
+    def follow(self, point: OdometryPoint) -> None:
+        """Add a pose on the way if the last one is far behind; inputs that are older are not used from now on."""
+        if self._last is None or point.stamp <= self._last.stamp or point.rolled - self._last.rolled < _STEP_M:
+            return
+        factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        self._add_pose(point, self._follow(point, factors), values)
         self._solve(factors, values)
 
     def _is_new(self, landmark: T, point: OdometryPoint) -> bool:

@@ -24,7 +24,7 @@ import numpy as np
 from roverkit.driving.geodesy import Datum
 from roverkit.fusion.field_graph import FieldGraph
 from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY, TRANSFORM
-from roverkit.fusion.odometry_track import PLANAR, OdometryPoint, OdometryTrack, UnknownCovariance, point_of
+from roverkit.fusion.odometry_track import KEPT_NS, PLANAR, OdometryPoint, OdometryTrack, UnknownCovariance, point_of
 from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, is_covariance
 from roverkit.fusion.planar_landmarks import planar_detections, surveyed_places
 from roverkit.gating import Reasons
@@ -49,6 +49,8 @@ _WAITING = 100
 """Images that wait for odometry of their time."""
 _SKEW_NS = 1_000_000_000
 """Age in nanoseconds that no message has if the clock of its computer is right."""
+_LATEST_NS = KEPT_NS // 2
+"""Age in nanoseconds of odometry from which no older input is expected."""
 _PERIOD_NS = 1_000_000_000
 """Time in nanoseconds between two looks at what is missing."""
 _RESULT = "pose"
@@ -140,6 +142,8 @@ class Fusion:
                     self._start()
                     self._track.add(point)
                 self._catch_up(point.stamp)
+                if (past := self._track.at(point.stamp - _LATEST_NS)) is not None:
+                    self._graph.follow(past)
                 if (newest := self._track.newest) is not None and newest is not before:
                     self._publish(newest, message)
 

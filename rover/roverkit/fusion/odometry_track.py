@@ -11,7 +11,7 @@ import numpy as np
 
 from roverkit.driving.arcs import FARTHEST_M, PlanarPose
 from roverkit.fusion.planar_gaussian import Floats, is_bounded, rotation
-from roverkit.fusion.slipping_motion import SlippingMotion, slipping_motion
+from roverkit.fusion.slipping_motion import SlippingMotion, YawError, slipping_motion, turn_lever
 from roverkit.odometry.dead_reckoning import OdometryNoise
 from roverkit.odometry.odometry_messages import UNKNOWN_VARIANCE
 from roverkit.odometry.wheel_odometry import SPEED_DEVIATION
@@ -24,6 +24,8 @@ PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
 """Rows and columns of x, y and yaw in a covariance of a message."""
 _SLOWEST = 1e-3
 """Speed in m/s below which a rover stands, and no part of the speed is slip."""
+_UNCORRELATED = 1e-9
+"""Correlation of errors of which one is exactly 0."""
 KEPT_NS = 10_000_000_000
 """Time in nanoseconds for which odometry is kept."""
 _FASTEST = 5.0
@@ -44,12 +46,12 @@ class OdometryPoint:
     """Variance of the angular velocity since the point before, in (rad/s)^2."""
     rolled: float = 0.0
     """Distance in metres that the rover has driven since the track began; the track sets it."""
-    turn_deviation: float = 0.0
-    """Integral of the angular velocity's standard deviation since the track began, in radians; the track sets it."""
+    forgotten: float = 0.0
+    """Negative logarithm of the correlation of the yaw's error with that of the track's begin; the track sets it."""
     slip: float = math.nan
     """Variance of the relative error of the speed; not a number if it is not known."""
-    slipped: float = 0.0
-    """Variance of the distance since the track began, in m^2; the track sets it."""
+    slipped: tuple[float, float] = (0.0, 0.0)
+    """Variances of the distance and of the motion sideways since the track began, in m^2; the track sets them."""
     speed: float = 0.0
     """Speed in m/s, negative backwards."""
 
@@ -58,24 +60,44 @@ class OdometryPoint:
 
         The covariance of the odometry grows by that of the motion, after the error of the yaw before the motion has
         turned the motion. Hence the part of the later covariance that does not follow from the earlier one is that of
-        the motion.
-
-        This is wrong for errors that stay the same, such as the bias and the scale of a gyroscope and the mean slip:
-        with them, the variance grows faster and faster, and becomes smaller on the way back. Hence the variance of the
-        distance is that of the speed, and the error of the turn is no larger than the integral of that of the angular
-        velocity.
+        the motion. This is wrong for errors that stay the same, such as the mean slip. Hence the variance of the
+        distance is that of the speed, if the message has one.
         """
-        turned = np.eye(3)
-        turned[0, 2], turned[1, 2] = self.pose.y - later.pose.y, later.pose.x - self.pose.x
-        grown = later.covariance - turned @ self.covariance @ turned.T
-        own = rotation(later.pose.yaw).T @ grown @ rotation(later.pose.yaw)
-        most = later.turn_deviation - self.turn_deviation
-        if own[2, 2] > most**2:
-            narrowed = np.diag([1, 1, most / math.sqrt(own[2, 2])])
-            own = narrowed @ own @ narrowed
-        if not math.isnan(later.slip):
-            own = np.diag([later.slipped - self.slipped, *own.diagonal()[1:]])
-        return slipping_motion(self.pose.inverse() @ later.pose, own, later.rolled - self.rolled)
+        moved = self.pose.inverse() @ later.pose
+        mean_slip = 0.0
+        if math.isnan(later.slip):
+            lever = turn_lever(moved)
+            growth = _growth(self, later)
+            slipped = (growth - growth[2, 2] * np.outer(lever, lever))[:2, :2]
+        else:
+            slipped = np.diag(np.subtract(later.slipped, self.slipped))
+            mean_slip = OdometryNoise().mean_slip
+        before, after = (math.sqrt(max(point.covariance[2, 2], 0.0)) for point in (self, later))
+        yaw = YawError(before, after, math.exp(self.forgotten - later.forgotten))
+        return slipping_motion(moved, slipped, later.rolled - self.rolled, yaw, mean_slip)
+
+
+def _growth(before: OdometryPoint, after: OdometryPoint) -> Floats:
+    """Return the part (3, 3) of the later covariance that does not follow from the earlier one, in the later axes."""
+    turned = np.eye(3)
+    turned[0, 2], turned[1, 2] = before.pose.y - after.pose.y, after.pose.x - before.pose.x
+    grown = after.covariance - turned @ before.covariance @ turned.T
+    growth: Floats = rotation(after.pose.yaw).T @ grown @ rotation(after.pose.yaw)
+    return growth
+
+
+def _correlation(before: OdometryPoint, after: OdometryPoint) -> float:
+    """Return the correlation of the errors of the yaw at two successive points, by the law of cosines.
+
+    The variances of both errors are those of the messages. That of their difference follows from the variance of the
+    angular velocity. It is at most the change of the variance, which is that of independent errors.
+    """
+    first, second = (float(point.covariance[2, 2]) for point in (before, after))
+    turned = after.yaw_rate_variance * ((after.stamp - before.stamp) / 1e9) ** 2
+    both = 2 * math.sqrt(max(first * second, 0.0))
+    if not both:
+        return _UNCORRELATED
+    return min(max((first + second - min(turned, abs(second - first))) / both, _UNCORRELATED), 1.0)
 
 
 class OdometryTrack:
@@ -101,15 +123,18 @@ class OdometryTrack:
             self._points = [point]
             return False
         if newest is not None:
-            deviation = math.sqrt(point.yaw_rate_variance) * (point.stamp - newest.stamp) / 1e9
             distance = newest.pose.distance_to(point.pose)
             slip = newest.slip if math.isnan(point.slip) else point.slip
+            ahead, aside = newest.slipped
             point = replace(
                 point,
                 slip=slip,
                 rolled=newest.rolled + distance,
-                turn_deviation=newest.turn_deviation + deviation,
-                slipped=newest.slipped + (0.0 if math.isnan(slip) else slip * distance),
+                forgotten=newest.forgotten - math.log(_correlation(newest, point)),
+                slipped=(
+                    ahead + (0.0 if math.isnan(slip) else slip * distance),
+                    aside + float(_growth(newest, point)[1, 1]),
+                ),
             )
         self._points.append(point)
         del self._points[: bisect_left(self._points, point.stamp - KEPT_NS, key=attrgetter("stamp"))]
@@ -139,9 +164,9 @@ class OdometryTrack:
             before.covariance + part * (after.covariance - before.covariance),
             after.yaw_rate_variance,
             before.rolled + part * (after.rolled - before.rolled),
-            before.turn_deviation + part * (after.turn_deviation - before.turn_deviation),
+            before.forgotten + part * (after.forgotten - before.forgotten),
             after.slip,
-            before.slipped + part * (after.slipped - before.slipped),
+            tuple((1 - part) * np.array(before.slipped) + part * np.array(after.slipped)),
         )
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from roverkit.gating import gate_limit
 from roverkit.vision.markers.marker_set import square
-from roverkit.vision.poses.chi_squared import chi2_limit
 from roverkit.vision.poses.pnp import Corners, Solution, solve, square_poses, with_all_errors
 from roverkit.vision.poses.pose import Pose, predict, rotation_of
 from roverkit.vision.poses.transform_tree import KEPT_NS, NEAR_NS, TransformError, TransformTree
@@ -103,10 +103,10 @@ def test_a_fit_that_cannot_be_chance_widens_the_covariance() -> None:
     assert wider.covariance[0, 0] > 10 * seen.covariance[0, 0]
 
 
-@pytest.mark.parametrize(("freedom", "limit"), [(2, 13.8), (8, 26.1), (40, 73.4)])
+@pytest.mark.parametrize(("freedom", "limit"), [(1, 10.828), (8, 26.124), (100, 149.449)])
 def test_the_limit_is_chi_squared_s_quantile(freedom: int, limit: float) -> None:
-    """99.9 %, to a few percent of the table's value."""
-    assert chi2_limit(freedom) == pytest.approx(limit, rel=0.03)
+    """99.9 %, as in printed tables."""
+    assert gate_limit(freedom) == pytest.approx(limit, abs=1e-3)
 
 
 _S = 1_000_000_000

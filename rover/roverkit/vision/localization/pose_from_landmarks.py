@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from roverkit.gating import gate_limit
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.localization.landmarks import Landmark, Landmarks
 from roverkit.vision.markers.marker_set import TargetId
 from roverkit.vision.markers.tracker import LandmarkDetection
-from roverkit.vision.poses.chi_squared import chi2_limit
 from roverkit.vision.poses.pnp import mixed_covariance
 from roverkit.vision.poses.pose import IDENTITY, Pose, predict
 
@@ -157,7 +157,7 @@ def _known(detection: LandmarkDetection, landmark: Landmark, camera: int, mount:
     own = seen.own_covariance + by_landmark @ by_landmark.T
     whitening = np.linalg.inv(np.linalg.cholesky(own + seen.shifts @ seen.shifts.T))
     points = landmark.pose.apply(seen.points)
-    return _Known(detection, points, own, whitening, chi2_limit(2 * len(points)), camera, mount)
+    return _Known(detection, points, own, whitening, gate_limit(2 * len(points)), camera, mount)
 
 
 class _Start(NamedTuple):

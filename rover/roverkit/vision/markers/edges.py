@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roverkit.gating import gate_limit
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.markers.edge_samples import (
     LIFTED,
@@ -39,7 +40,6 @@ from roverkit.vision.markers.edge_samples import (
     product,
 )
 from roverkit.vision.markers.pattern import Pattern, predict_grey
-from roverkit.vision.poses.chi_squared import chi2_limit
 
 # Why not OpenCV's refinements: SUBPIX looks for saddles, and the outer corners of a marker are none, which biases the
 # size of the marker and so its distance. APRILTAG fits the four outer edges only; the edges between the bits are as
@@ -285,7 +285,7 @@ def _rigidity(outcome: _Outcome, lines: Floats) -> Floats:
     precision = 1 / np.maximum(inverse.diagonal(axis1=1, axis2=2)[:, free], 1e-12) / variance[:, None]
     chi2 = (offsets**2 * precision).sum(axis=1)
     excess = (chi2 - free.size) / precision.sum(axis=1)
-    return np.where(chi2 > chi2_limit(free.size), variance / np.maximum(excess, 1e-12), RIGID)
+    return np.where(chi2 > gate_limit(free.size), variance / np.maximum(excess, 1e-12), RIGID)
 
 
 def _shift(before: _State, after: _State) -> Floats:

@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from roverkit.gating import gate_limit
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.markers.marker_set import square
 from roverkit.vision.opencv import cv2
-from roverkit.vision.poses.chi_squared import chi2_limit
 from roverkit.vision.poses.pose import Pose, predict_all, rotation_of
 
 # cv2.solvePnP gives no covariance, takes no weights, and IPPE needs all corners in one plane, which a board's markers
@@ -337,4 +337,4 @@ def mixed_covariance(pose: Pose, possible: Sequence[tuple[float, Pose, Floats]])
 def _excess(chi2: float, corners: Corners) -> float:
     """Return the factor by which covariances are too small; 1 if chi squared can be chance."""
     freedom = corners.rays.size - 6
-    return chi2 / freedom if chi2 > chi2_limit(freedom) else 1.0
+    return chi2 / freedom if chi2 > gate_limit(freedom) else 1.0
