@@ -100,6 +100,7 @@ def latency(seconds: float, say: Callable[[str], None]) -> SectionResult:
             one = run(sender, receiver, seconds, size=size)
             numbers = _part(one.latencies, 0.5), _part(one.latencies, 0.95), one.sender, one.receiver
             rows.append((f"{sender} to {receiver}", *(f"{number:.1f}" for number in numbers)))
+            say("  median {} ms, p95 {} ms, sender {} %, receiver {} %".format(*rows[-1][1:]))
             data.append(
                 {"sender": sender, "receiver": receiver, "size": size}
                 | dict(zip(("median_ms", "p95_ms", "sender_percent", "receiver_percent"), numbers))
@@ -107,6 +108,7 @@ def latency(seconds: float, say: Callable[[str], None]) -> SectionResult:
         say(f"latency: GStreamer alone, {size[0]}x{size[1]}")
         native = 100 * _answer(_popen("native", "gstreamer", 4600, seconds, size=size))["cpu"] / seconds
         rows.append((NATIVE, "–", "–", f"{native:.1f}", "–"))
+        say(f"  sender {native:.1f} %")
         data.append({"sender": NATIVE, "size": size, "sender_percent": native})
         groups.append(Group("{}x{} at 30 Hz, 2 Mbit/s".format(*size), rows))
     columns = ("from encoder to decoder", "median\nms", "p95\nms", "sender\n% of a core", "receiver\n% of a core")

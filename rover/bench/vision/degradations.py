@@ -57,6 +57,8 @@ class Degradation:
     """Ratio of the focal lengths that the programs are given to the true ones."""
     speed: float = 0.0
     """Speed of the image in pixels per second, seen by a rolling shutter."""
+    highlight: float = 0.0
+    """Light that a highlight adds at its middle, which is somewhere on the marker, as a fraction of full white."""
 
 
 def gamma(light: Light, _: np.random.Generator) -> Light:
@@ -148,6 +150,8 @@ DEGRADATIONS = (
     Degradation("side 1 % too small", side=0.99),
     Degradation("intrinsics 0.5 % off", focal=1.005),
     Degradation("rolling shutter 300 px/s", speed=300),
+    Degradation("highlight 0.3", highlight=0.3),
+    Degradation("highlight 0.7", highlight=0.7),
 )
 
 
@@ -174,6 +178,9 @@ def degraded_scenes(degradation: Degradation, side_px: float, count: int, seed: 
         plane = replace(plane, curvature=8 * degradation.bend / SIDE)
         bent = Pose(pose.rotation, pose.translation + pose.rotation[:, 2] * degradation.bend * SIDE / 3)
         light = degradation.light(render_light(camera, scene, [(plane, bent)]), rng)
+        if degradation.highlight:
+            middle = project(camera, pose, rng.uniform(-SIDE / 2, SIDE / 2, (1, 3)) * (1, 1, 0))[0]
+            light = light + _highlight(light.shape, middle, side_px / 2) * np.float32(255 * degradation.highlight)
         earlier = None
         if degradation.speed:
             angle = rng.uniform(0, 2 * np.pi)
@@ -182,6 +189,13 @@ def degraded_scenes(degradation: Degradation, side_px: float, count: int, seed: 
             light = rolling_shutter(light, velocity, 0.0)
         frame = degradation.image(expose(light, rng))
         yield DegradedScene(Scene(frame, number, pose, project(camera, pose, corner_points())), earlier)
+
+
+def _highlight(shape: tuple[int, ...], middle: Floats, sigma: float) -> Light:
+    """Return a bell (H, W) with its middle and standard deviation in pixels."""
+    rows, columns = np.indices(shape, dtype=np.float32)
+    bell: Light = np.exp(-((columns - middle[0]) ** 2 + (rows - middle[1]) ** 2) / np.float32(2 * sigma**2))
+    return bell
 
 
 def _moved(light: Light, shift: Floats) -> Light:

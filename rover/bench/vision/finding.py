@@ -20,6 +20,7 @@ from roverkit.vision.images.rendering import (
     Print,
     marker_print,
     render,
+    render_light,
     texels_for,
     texture,
 )
@@ -28,13 +29,16 @@ from roverkit.vision.markers.tracker import Tracker
 
 from bench.result import Group, SectionResult, Table
 from rover.bench.vision.contestants import OURS, camera_of, plain_detector
+from rover.bench.vision.degradations import Light, defocus, motion_blur
 from rover.bench.vision.scenes import DICTIONARY, FOCAL, SIDE, DriveFrame, lens, random_pose
 
 SEED = 11
 COVERED = (24, 32, 48, 96)
 LARGE = (300, 450, 600)
 TWICE = (32, 96)
-NEW = (18, 20, 22)
+PATCHED = (48, 96)
+NEW = {"sharp": (18, 20, 22), "defocus 2 px": (20, 24, 28), "motion 4 px": (20, 24, 28)}
+"""Sides in pixels of new markers, by their blur."""
 WAITED = 30
 """Frames after which a new marker counts as not found."""
 SOON = 3
@@ -43,6 +47,7 @@ MANY = 12
 _FRAME_NS = 33_000_000
 _SMALL, _WIDE = (640, 480), (1280, 720)
 _BARS, _BAR = 2, 0.4  # number of the bars over a marker's interior, and their width in modules
+_PATCH = (1.2, 2.4)  # least and largest side in modules of the patch over a marker's interior
 _RASTER = 200  # side in pixels of a marker whose image is scaled when it is printed
 _WARM_UP = 2
 
@@ -62,6 +67,7 @@ class Wait:
     """Frames until a new marker was found: percentage within `SOON` frames, and the 90th percentile."""
 
     name: str
+    blur: str
     side_px: int
     soon: float
     p90: float
@@ -77,6 +83,11 @@ class Cost:
     seen: float
 
 
+_BLURS: dict[str, Callable[[Light, np.random.Generator], Light]] = {
+    "sharp": lambda light, _: light,
+    "defocus 2 px": defocus(2),
+    "motion 4 px": motion_blur(4),
+}
 Finder = Callable[[Grey, int], Sequence[int]]
 """Function that returns the numbers of the markers in a frame with a stamp in nanoseconds."""
 
@@ -84,14 +95,16 @@ Finder = Callable[[Grey, int], Sequence[int]]
 def measure(scenes: int, frames: int, say: Callable[[str], None]) -> SectionResult:
     """Measure all kinds of markers with `scenes` frames each, and the cost of many markers with `frames` frames."""
     shares = []
-    for kind, (sizes, film) in _KINDS.items():
+    for kind, (sizes, _) in _KINDS.items():
         for side_px in sizes:
-            shares.append(_share(kind, side_px, film(side_px, scenes)))
+            shares.append(found_share(kind, side_px, scenes))
             say(f"{kind} markers of {side_px} px: found {shares[-1].ours:.0f} %, OpenCV {shares[-1].plain:.0f} %")
     waits = []
-    for side_px in NEW:
-        waits += _waits(side_px, scenes)
-        say(f"new markers of {side_px} px: {waits[-2].soon:.0f} % within {SOON} frames, OpenCV {waits[-1].soon:.0f} %")
+    for blur, sizes in NEW.items():
+        for side_px in sizes:
+            waits += new_waits(blur, side_px, scenes)
+            ours, plain = (f"{wait.soon:.0f} %" for wait in waits[-2:])
+            say(f"new markers, {blur}, of {side_px} px: {ours} within {SOON} frames, OpenCV {plain}")
     costs = _costs(frames)
     tables = [_share_table(shares, scenes), _wait_table(waits), _cost_table(costs)]
     data = {
@@ -114,13 +127,20 @@ class Shown:
     numbers: Sequence[int]
 
 
-def covered(side_px: int, count: int) -> Iterator[Shown]:
-    """Yield frames with a marker whose interior, inside the black border, is crossed by bars."""
+def covered(
+    side_px: int, count: int, cover: Callable[[Print, np.random.Generator], Print] | None = None
+) -> Iterator[Shown]:
+    """Yield frames with a marker whose interior, inside the black border, is covered; by default, bars cross it."""
     camera = lens(*_SMALL)
     for rng in _generators(side_px, count):
         number, pose = int(rng.integers(250)), random_pose(camera, side_px, rng)
-        plane = marker_print(DICTIONARY, number, SIDE, texels=texels_for(side_px))
-        yield Shown(_rendered(camera, [(_crossed(plane, rng), pose)], rng), camera, [number])
+        plane = (cover or _crossed)(marker_print(DICTIONARY, number, SIDE, texels=texels_for(side_px)), rng)
+        yield Shown(_rendered(camera, [(plane, pose)], rng), camera, [number])
+
+
+def patched(side_px: int, count: int) -> Iterator[Shown]:
+    """Yield frames with a marker whose interior, inside the black border, has a grey patch."""
+    return covered(side_px, count, _patched)
 
 
 def large(side_px: int, count: int) -> Iterator[Shown]:
@@ -161,6 +181,7 @@ def moving(count: int, markers: int) -> Iterator[DriveFrame]:
 
 _KINDS: dict[str, tuple[Sequence[int], Callable[[int, int], Iterator[Shown]]]] = {
     "covered": (COVERED, covered),
+    "patched": (PATCHED, patched),
     "large": (LARGE, large),
     "twice": (TWICE, twice),
 }
@@ -189,6 +210,16 @@ def _circled(pose: Pose, angle: float) -> Pose:
     """Move a pose by 40 pixels in the direction `angle`."""
     shift = 40 / FOCAL * pose.translation[2] * np.array([np.cos(angle), np.sin(angle), 0])
     return Pose(pose.rotation, pose.translation + shift)
+
+
+def _patched(plane: Print, rng: np.random.Generator) -> Print:
+    """Draw a grey rectangle over a part of the interior of a marker."""
+    image, module = plane.image.copy(), len(plane.image) // 9
+    size = rng.uniform(*_PATCH, 2) * module
+    low = rng.uniform(2 * module, 7 * module - size)
+    (left, top), (right, bottom) = np.rint(low).astype(int), np.rint(low + size).astype(int)
+    image[top:bottom, left:right] = round(rng.uniform(25, 225))
+    return Print(image, plane.metres_per_pixel)
 
 
 def _crossed(plane: Print, rng: np.random.Generator) -> Print:
@@ -227,10 +258,10 @@ def _plain(frame: Grey) -> list[int]:
     return [] if numbers is None else np.reshape(numbers, -1).tolist()
 
 
-def _share(kind: str, side_px: int, film: Iterator[Shown]) -> Share:
-    """Return the share of the markers that are found in single frames."""
+def found_share(kind: str, side_px: int, scenes: int) -> Share:
+    """Return the share of the markers of one kind and size that are found in single frames."""
     counts, there = np.zeros(2), 0
-    for shown in film:
+    for shown in _KINDS[kind][1](side_px, scenes):
         there += len(shown.numbers)
         look = _ours(Tracker(camera_of(shown.camera), MarkerSet(side=SIDE)))
         for place, found in enumerate((look(shown.frame, 0), _plain(shown.frame))):
@@ -238,7 +269,7 @@ def _share(kind: str, side_px: int, film: Iterator[Shown]) -> Share:
     return Share(kind, side_px, *(100 * counts / there).tolist())
 
 
-def _waits(side_px: int, count: int) -> list[Wait]:
+def new_waits(blur: str, side_px: int, count: int) -> list[Wait]:
     """Return how long new markers of a size are not seen; the frames before them are empty."""
     camera, waited = lens(*_SMALL), np.zeros((2, count))
     for index, rng in enumerate(_generators(side_px, count)):
@@ -246,7 +277,7 @@ def _waits(side_px: int, count: int) -> list[Wait]:
         plane, pose = marker_print(DICTIONARY, number, SIDE), _facing(camera, (place[0], place[1]), side_px, rng)
         scene = texture(camera.size, rng)
         empty, full = (
-            render(camera, scene, planes, rng, noise_sigma=0).astype(float) for planes in ([], [(plane, pose)])
+            _BLURS[blur](render_light(camera, scene, planes), rng).astype(float) for planes in ([], [(plane, pose)])
         )
         look, before = _ours(Tracker(camera_of(camera), MarkerSet(side=SIDE))), int(rng.integers(1, WAITED))
         for frame in range(before):
@@ -257,7 +288,7 @@ def _waits(side_px: int, count: int) -> list[Wait]:
         for row, found in enumerate((ours, map(_plain, noisy))):
             waited[row, index] = next((frame for frame, numbers in enumerate(found, 1) if number in numbers), np.inf)
     return [
-        Wait(name, side_px, 100 * float((row <= SOON).mean()), float(np.percentile(row, 90, method="lower")))
+        Wait(name, blur, side_px, 100 * float((row <= SOON).mean()), float(np.percentile(row, 90, method="lower")))
         for name, row in zip((OURS, "OpenCV"), waited)
     ]
 
@@ -290,8 +321,9 @@ def _costs(frames: int) -> list[Cost]:
 
 def _share_table(shares: Sequence[Share], scenes: int) -> Table:
     notes = [
-        f"covered: {_BARS} bars of {_BAR} modules cross the interior; large: modules of unequal size, 1280x720; "
-        "twice: two markers with one number."
+        f"covered: {_BARS} bars of {_BAR} modules cross the interior; patched: a grey patch "
+        "of {} to {} modules; large: modules of unequal size, 1280x720; ".format(*_PATCH)
+        + "twice: two markers with one number."
     ]
     rows = [[f"{share.kind}, {share.side_px} px", f"{share.ours:.0f}", f"{share.plain:.0f}"] for share in shares]
     return Table(
@@ -300,10 +332,18 @@ def _share_table(shares: Sequence[Share], scenes: int) -> Table:
 
 
 def _wait_table(waits: Sequence[Wait]) -> Table:
-    rows = [[f"{wait.name}, {wait.side_px} px", f"{wait.soon:.0f}", f"{wait.p90:.0f}"] for wait in waits]
-    return Table(
-        "Frames until a new marker is found", ("", f"within {SOON}\n%", "p90\nframes"), [Group("640x480", rows)]
-    )
+    groups = [
+        Group(
+            f"{blur}, 640x480",
+            [
+                [f"{wait.name}, {wait.side_px} px", f"{wait.soon:.0f}", f"{wait.p90:.0f}"]
+                for wait in waits
+                if wait.blur == blur
+            ],
+        )
+        for blur in NEW
+    ]
+    return Table("Frames until a new marker is found", ("", f"within {SOON}\n%", "p90\nframes"), groups)
 
 
 def _cost_table(costs: Sequence[Cost]) -> Table:

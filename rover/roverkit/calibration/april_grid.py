@@ -23,7 +23,7 @@ from roverkit.calibration.board import (
     nothing_found,
 )
 from roverkit.vision.camera.camera_model import Floats
-from roverkit.vision.markers.detection import CELL, Image
+from roverkit.vision.markers.detection import CELL, Image, MarkerDetection
 from roverkit.vision.markers.marker_set import black_modules
 from roverkit.vision.opencv import cv2
 from roverlink.runtime.core.errors import SetupError
@@ -113,17 +113,12 @@ class AprilGrid(CalibrationBoard):
 
     def finder(self) -> Finder:
         """Return a function that finds the corners of the tags in an image."""
-        parameters = cv2.aruco.DetectorParameters()
-        parameters.markerBorderBits = _BORDER
-        parameters.perspectiveRemovePixelPerCell = CELL
-        detector: Any = cv2.aruco.ArucoDetector(_tags(), parameters)
 
         def find(image: Image) -> tuple[NDArray[np.intp], Floats]:
-            corners, ids, _ = detector.detectMarkers(image)
             found: dict[int, Floats] = {}
-            for number, places in zip([] if ids is None else np.ravel(ids).tolist(), corners):
-                if number < self.columns * self.rows:
-                    found |= dict(zip(self._corner_ids(number), self._refined(image, np.reshape(places, (4, 2)))))
+            for tag in find_tags(image):
+                if tag.number < self.columns * self.rows:
+                    found |= dict(zip(self._corner_ids(tag.number), self._refined(image, tag.corners)))
             if not found:
                 return nothing_found()
             order = sorted(found)
@@ -163,6 +158,17 @@ class AprilGrid(CalibrationBoard):
         upper = 2 * row * across + 2 * column
         lower = upper + across
         return lower + 1, lower, upper, upper + 1
+
+
+def find_tags(image: Image) -> list[MarkerDetection]:
+    """Return the tags of any AprilGrid in a grey image (H, W); their corners may be off by five pixels."""
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.markerBorderBits = _BORDER
+    parameters.perspectiveRemovePixelPerCell = CELL
+    detector: Any = cv2.aruco.ArucoDetector(_tags(), parameters)
+    corners, ids, _ = detector.detectMarkers(image)
+    numbers = [] if ids is None else np.ravel(ids).tolist()
+    return [MarkerDetection(number, np.reshape(place, (4, 2))) for number, place in zip(numbers, corners)]
 
 
 def _tags() -> Any:

@@ -14,6 +14,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -148,11 +149,22 @@ def _on_page(
         save=save,
     )
 
+    def warn(text: str) -> None:
+        say(text)
+        live.warn(text)
+
     def feed(stop: threading.Event) -> None:
-        for frame, name in _named(source):
-            if stop.is_set():
-                return
-            live.add_frame(frame.image, frame.stamp, name, chosen=isinstance(source, ImageFiles))
+        seen = SeenBoards(board, warn)
+        looking: Future[None] | None = None
+        with ThreadPoolExecutor(1, "boards") as boards:  # its own thread: to look takes a second or two
+            for frame, name in _named(source):
+                if stop.is_set():
+                    return
+                offer = live.add_frame(frame.image, frame.stamp, name, chosen=isinstance(source, ImageFiles))
+                if looking is None or looking.done():
+                    if looking:
+                        looking.result()  # raises its error, if it has one
+                    looking = boards.submit(seen.look, frame.image, offer.view)
         live.ended()
 
     serve_page(live, feed, arguments.page_address, arguments.page_port, say, waits=source.live)

@@ -7,23 +7,33 @@ more and more images. The numbers of the markers and their places tell how many 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
+from roverkit.calibration.april_grid import AprilGrid, find_tags
 from roverkit.calibration.board import CalibrationBoard
 from roverkit.calibration.charuco_board import CharucoBoard
+from roverkit.calibration.chessboard import Chessboard
 from roverkit.calibration.start import GUESS, ideal_camera
 from roverkit.calibration.views import View
 from roverkit.vision.markers.detection import Detector, Image, MarkerDetection, to_grey
-from roverkit.vision.markers.dictionaries import other_dictionary
+from roverkit.vision.markers.dictionaries import other_dictionary, smallest
 from roverkit.vision.markers.marker_fits import extent
 from roverkit.vision.markers.marker_set import MarkerSet
 from roverkit.vision.opencv import cv2
 
-_COLUMNS = range(3, 31)
+Way = TypeVar("Way")
+Place = tuple[int, int]
+"""Column and row on a board."""
+
+_COLUMNS = range(2, 31)
 _FEWEST = 6
 """Least number of markers that determine the columns of a board."""
+_FEWEST_CORNERS = 4
+"""Least number of inner corners in a row and in a column of a chessboard; fewer may be something else."""
 _NEAR = 0.25
 """Largest median distance between the markers and their places on a board, relative to the side of a marker."""
 _FEW = 1 / 3
@@ -51,8 +61,36 @@ class SeenBoards:
 
 
 def other_board(image: Image, board: CalibrationBoard) -> str:
-    """Describe the ChArUco board in an image, (H, W) or (H, W, 3); the text is empty for none, and for `board`."""
+    """Describe the board in an image, (H, W) or (H, W, 3); the text is empty for none, and for `board`."""
     grey = to_grey(image)
+    for look in (_april_grid, _charuco_board, _chessboard):
+        seen = look(grey, board)
+        if seen is not None:
+            return seen
+    return ""
+
+
+# Each function describes the board of its kind in a grey image. It returns None for none, and no text for `board`.
+
+
+def _april_grid(grey: Image, board: CalibrationBoard) -> str | None:
+    found = _distinct(find_tags(grey))
+    if len(found) < _FEWEST:
+        return None
+    layout = _layout(found, [(columns, partial(_row_by_row, columns)) for columns in _COLUMNS])
+    if layout is None:
+        return "" if isinstance(board, AprilGrid) else "tags of an AprilGrid"
+    columns, last = layout
+    rows = -(-(last + 1) // columns)
+    if isinstance(board, AprilGrid) and columns == board.columns and rows <= board.rows:
+        return ""
+    return (
+        f"an AprilGrid with {columns} tags in a row, and at least {rows} rows; use --board aprilgrid --squares "
+        f"{columns}x{rows}"
+    )
+
+
+def _charuco_board(grey: Image, board: CalibrationBoard) -> str | None:
     height, width = grey.shape
     given = board.dictionary if isinstance(board, CharucoBoard) else ""
     found = _distinct(Detector(MarkerSet(given)).scan(grey)) if given else []
@@ -62,14 +100,19 @@ def other_board(image: Image, board: CalibrationBoard) -> str:
             grey, ideal_camera(GUESS * width, (width, height)), MarkerSet(given) if given else None
         )
         if other is None or len(other[1]) < _FEWEST:
-            return ""
+            return None
         dictionary = other[0]
         found = [one for one in _distinct(Detector(MarkerSet(dictionary)).scan(grey)) if one.number in other[1]]
-    layout = _layout(found)
+    ways = itertools.product(_COLUMNS, (False, True))
+    layout = _layout(
+        found, [((columns, legacy), partial(_white_square, columns, legacy=legacy)) for columns, legacy in ways]
+    )
     if layout is None:
-        return f"markers of {dictionary}" if dictionary != given else ""
-    columns, legacy = layout
-    rows = -(-2 * (max(one.number for one in found) + 1) // columns)
+        return f"markers of {dictionary}" if dictionary != given else None
+    (columns, legacy), last = layout
+    rows = -(-2 * (last + 1) // columns)
+    if dictionary != given:
+        dictionary = smallest(dictionary, last)
     if (
         isinstance(board, CharucoBoard)
         and (dictionary, columns) == (given, board.columns)
@@ -79,6 +122,16 @@ def other_board(image: Image, board: CalibrationBoard) -> str:
         return ""
     options = f"--board charuco --dictionary {dictionary} --squares {columns}x{rows}{' --legacy' if legacy else ''}"
     return f"a ChArUco board with {columns} squares in a row, and at least {rows} rows; use {options}"
+
+
+def _chessboard(grey: Image, board: CalibrationBoard) -> str | None:
+    found, _, meta = cv2.findChessboardCornersSBWithMeta(grey, (_FEWEST_CORNERS,) * 2, cv2.CALIB_CB_LARGER)
+    if not found:
+        return None
+    sides = sorted(count + 1 for count in meta.shape[:2])
+    if isinstance(board, Chessboard) and np.less_equal(sides, sorted((board.columns, board.rows))).all():
+        return ""  # perhaps a part of it
+    return "a chessboard with at least {1}x{0} squares; use --board chessboard --squares {1}x{0}".format(*sides)
 
 
 def _distinct(found: list[MarkerDetection]) -> list[MarkerDetection]:
@@ -94,15 +147,20 @@ def _distinct(found: list[MarkerDetection]) -> list[MarkerDetection]:
     return kept
 
 
-def _layout(found: list[MarkerDetection]) -> tuple[int, bool] | None:
-    """Return the columns of the ChArUco board on which markers lie as in the image, and true if it is a legacy one."""
+def _layout(
+    found: Sequence[MarkerDetection], ways: Sequence[tuple[Way, Callable[[int], Place]]]
+) -> tuple[Way, int] | None:
+    """Return the way to place markers by their numbers that explains where they are in the image.
+
+    The second value is the largest number of a marker that is at its place.
+    """
     if len(found) < _FEWEST:
         return None
     centres = np.array([one.corners.mean(axis=0) for one in found])
     side = float(np.median([extent(one.corners) for one in found]))
-    best: tuple[float, int, bool] | None = None
-    for columns, legacy in itertools.product(_COLUMNS, (False, True)):
-        places = np.array([_place(one.number, columns, legacy=legacy) for one in found], dtype=float)
+    best, nearest = None, _NEAR * side
+    for way, place in ways:
+        places = np.array([place(one.number) for one in found], dtype=float)
         if np.linalg.matrix_rank(places - places.mean(axis=0)) < 2:
             continue
         # The markers of two neighbouring squares touch at a corner: a marker is about as wide as the distance.
@@ -110,13 +168,19 @@ def _layout(found: list[MarkerDetection]) -> tuple[int, bool] | None:
         if homography is None:
             continue
         missed = cv2.perspectiveTransform(places[:, None], homography)[:, 0] - centres
-        median = float(np.median(np.linalg.norm(missed, axis=1)))
-        if best is None or median < best[0]:
-            best = median, columns, legacy
-    return best[1:] if best and best[0] < _NEAR * side else None
+        misses = np.linalg.norm(missed, axis=1)
+        if np.median(misses) < nearest:
+            nearest = float(np.median(misses))
+            best = way, max(one.number for one, miss in zip(found, misses.tolist()) if miss < side / 2)
+    return best
 
 
-def _place(number: int, columns: int, *, legacy: bool) -> tuple[int, int]:
+def _row_by_row(columns: int, number: int) -> Place:
+    """Return the column and row of a tag of an AprilGrid, which are numbered row by row, from the lowest one."""
+    return number % columns, -(number // columns)
+
+
+def _white_square(columns: int, number: int, *, legacy: bool) -> Place:
     """Return the column and row of a marker: the white squares are numbered row by row, and the first one is black."""
     return next(itertools.islice(_white_squares(columns, legacy=legacy), number, None))
 

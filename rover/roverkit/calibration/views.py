@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +23,11 @@ _FLAT = 0.05
 """Ratio of the corners' spread across a line to that along it, below which the corners count as collinear."""
 _STRAY = 5.0
 """Largest distance in pixels between a corner and its place by the homography of the board (RANSAC threshold)."""
+_ELSEWHERE = 1.0
+"""Median of this distance, in distances of neighbouring corners, above which this is another board.
+
+Lenses move corners from where the homography has them by less, and the numbering of another board by more.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +95,8 @@ class BoardDetector:
     def _axes(self, ids: NDArray[np.intp], corners: Floats) -> Floats | None:
         """Return the derivative (N, 2, 2) of the pixels of the corners with respect to the board's x and y.
 
-        The derivative gives the directions of the edges at each corner. Returns None if there are too few corners.
+        The derivative gives the directions of the edges at each corner. Returns None if there are too few corners, or
+        if they do not lie as on the board.
         """
         if len(ids) < 4:
             return None
@@ -102,4 +109,6 @@ class BoardDetector:
         lifted = np.column_stack([points, np.ones(len(points))]) @ homography.T
         places = lifted[:, :2] / lifted[:, 2:]
         slope: Floats = (homography[:2, :2] - places[:, :, None] * homography[2, :2]) / lifted[:, 2, None, None]
-        return slope
+        apart = np.sqrt(np.abs(np.linalg.det(slope)) * math.prod(self.board.size) / len(self.board.points))
+        missed = np.linalg.norm(places - corners, axis=1) / apart
+        return slope if np.median(missed) < _ELSEWHERE else None

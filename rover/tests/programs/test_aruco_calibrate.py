@@ -18,9 +18,11 @@ pypdfium2 = pytest.importorskip("pypdfium2", reason=NO_PYPDFIUM2)
 
 from roverkit.aruco.board_options import add_board, board_of  # noqa: E402  # they need OpenCV
 from roverkit.calibration import (  # noqa: E402
+    AprilGrid,
     BoardDetector,
     CalibrationBoard,
     CharucoBoard,
+    Chessboard,
 )
 from roverkit.vision.camera.parameters_file import read_parameters  # noqa: E402
 
@@ -129,19 +131,25 @@ def test_too_few_views_are_refused(images: Path, tmp_path: Path, capsys: pytest.
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("board", "seen"),
+    ("board", "given", "seen"),
     [
-        (CharucoBoard(9, 6, 0.03, 0.022, "DICT_5X5_50"), "--dictionary DICT_5X5_50 --squares 9x6"),
-        (CharucoBoard(9, 6, 0.03, 0.022), "--dictionary DICT_4X4_50 --squares 9x6"),
+        (CharucoBoard(9, 6, 0.03, 0.022, "DICT_5X5_50"), "charuco", "--dictionary DICT_5X5_50 --squares 9x6"),
+        (CharucoBoard(9, 6, 0.03, 0.022), "charuco", "--dictionary DICT_4X4_50 --squares 9x6"),
+        (CharucoBoard(9, 6, 0.03, 0.022), "aprilgrid", "--board charuco --dictionary DICT_4X4_50 --squares 9x6"),
+        (AprilGrid(5, 4, 0.04), "aprilgrid", "--board aprilgrid --squares 5x4"),
+        (AprilGrid(5, 4, 0.04), "charuco", "--board aprilgrid --squares 5x4"),
+        (Chessboard(13, 9, 0.02), "chessboard", "--board chessboard --squares 13x9"),
     ],
 )
 def test_another_board_is_named(
-    board: CalibrationBoard, seen: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    board: CalibrationBoard, given: str, seen: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With the options for it, instead of a request for more images."""
+    """With the options for it, instead of a request for more images; its corners count for nothing."""
     cv2.imwrite(str(tmp_path / "view.png"), frame((22, 10), (0.5, 0.5), 0.45, board))
-    assert main(["aruco", "calibrate", str(tmp_path), "--out", str(tmp_path / "camera.yml")]) == 1
-    assert seen in capsys.readouterr().err
+    assert main(["aruco", "calibrate", str(tmp_path), "--board", given, "--out", str(tmp_path / "camera.yml")]) == 1
+    said = capsys.readouterr().err
+    assert seen in said
+    assert "view.png: no board found" in said
 
 
 @pytest.mark.slow

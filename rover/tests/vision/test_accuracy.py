@@ -13,6 +13,7 @@ from roverkit.vision import CameraParameters, MarkerSet, Tracker, read_parameter
 from rover.bench.vision import nothing
 from rover.bench.vision.accuracy import OURS, measure_size, nees_band
 from rover.bench.vision.consistency import DEGRADATIONS, GOAL, IMAGE, measure_degradation
+from rover.bench.vision.finding import found_share, new_waits
 from rover.bench.vision.lenses import measure_runs as measure_lenses
 from rover.bench.vision.photographs import PHOTOS, finder, fit
 
@@ -94,7 +95,9 @@ def test_nothing_is_seen_where_nothing_is(frames: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["white balance, clipped", "JPEG q20", "print of 100 px", "side 1 % too small"])
+@pytest.mark.parametrize(
+    "name", ["white balance, clipped", "JPEG q20", "print of 100 px", "side 1 % too small", "highlight 0.7"]
+)
 def test_covariances_are_never_far_too_confident(name: str) -> None:
     """The mean NEES of some markers of 48 px stays below that of standard deviations that are 4 times too small."""
     (ours,) = measure_degradation(BY_NAME[name], 48, 5, (OURS,))
@@ -103,11 +106,19 @@ def test_covariances_are_never_far_too_confident(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_corners_are_better_than_those_of_apriltag() -> None:
-    """A blur along one direction is part of the model of the edge fit."""
-    ours, other = measure_degradation(BY_NAME["motion blur 6 px"], 96, 6, (IMAGE, APRILTAG))
+@pytest.mark.parametrize("name", ["motion blur 6 px", "highlight 0.3"])
+def test_corners_are_better_than_those_of_apriltag(name: str) -> None:
+    """A blur along one direction, and light that varies over the marker, are part of the model of the edge fit."""
+    ours, other = measure_degradation(BY_NAME[name], 96, 6, (IMAGE, APRILTAG))
     assert ours.translation_median < other.translation_median
     assert ours.rotation_median < other.rotation_median
+
+
+@pytest.mark.slow
+def test_markers_are_found_soon_though_covered_or_blurred() -> None:
+    """A patch over a part of a marker's interior, and a new marker out of focus, which is seen within three frames."""
+    assert found_share("patched", 96, 8).ours >= 75
+    assert new_waits("defocus 2 px", 24, 3)[0].soon == 100
 
 
 @pytest.mark.exhaustive

@@ -86,11 +86,14 @@ def goals(state: dict[str, Any]) -> dict[str, list[tuple[str, bool]]]:
 
 @pytest.mark.slow
 def test_views_that_add_something_are_taken() -> None:
-    """Each with a number, its corners and a picture; what it covers is no longer missing."""
+    """Each with a number, its corners and a picture; what it covers is no longer missing, and a warning ends."""
     camera = _Camera()
+    camera.live.warn("another board")
+    assert camera.state()["status"] == "another board"
     state = camera.show(near(), left(), left(), tilted())
     assert [view["number"] for view in state["views"]] == [1, 2, 3]
     assert goals(state)["Views"] == [("3 of 20", False)]
+    assert state["status"].startswith("Next: ")
     assert ("near 1/2", False) in goals(state)["Distance"]
     assert ("right edge nearer 1/2", False) in goals(state)["Tilt"]
     assert 14 not in state["coverage"]["missing"]  # just right of the middle

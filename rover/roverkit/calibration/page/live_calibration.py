@@ -58,7 +58,7 @@ class LiveCalibration:
         self._taken: tuple[Taken, ...] = ()
         self._calibration: Calibration | None = None
         self._refused: tuple[str, ...] = ()
-        self._number, self._note, self._saved = 1, "", ""
+        self._number, self._note, self._saved, self._warning = 1, "", "", ""
         self._calibrating, self._more = False, True
         self._asked = threading.Event()
         self.finished = threading.Event()
@@ -82,6 +82,7 @@ class LiveCalibration:
             offer = look(image, stamp_ns, name)
             self._note = offer.reason
             if offer.taken:
+                self._warning = ""
                 thumbnail = _jpeg(image, offer.view.corners, _THUMBNAIL)
                 self._taken += (Taken(self._number, offer.view, thumbnail),)
                 self._note = f"View {self._number} is taken: {offer.reason}"
@@ -89,6 +90,12 @@ class LiveCalibration:
             self._publish_state()
         self._images.put((image, offer.view.corners))
         return offer
+
+    def warn(self, text: str) -> None:
+        """Show a warning on the page until a view is taken."""
+        with self._lock:
+            self._warning = text
+            self._publish_state()
 
     def ended(self) -> None:
         """Tell the page that no more frames come. Called when the source has ended."""
@@ -189,6 +196,8 @@ class LiveCalibration:
             return "The views are not sufficient for a calibration:"
         if self._calibration:
             return "Calibration finished. Check the result, then save it."
+        if self._warning:
+            return self._warning
         if self._collection.complete:
             return _COMPLETE
         return (

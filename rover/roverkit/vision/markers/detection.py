@@ -22,6 +22,11 @@ Image = NDArray[np.uint8]
 
 _SMALLEST_SIDE = 9
 """Side in pixels of the smallest marker that can be read."""
+_APART = 0.02
+"""Distance between the corners of two squares, relative to their perimeter, below which OpenCV takes them for one.
+
+By default, it returns only one of a marker and the paper around it if it can read neither.
+"""
 _CORRECTED = 0.6
 """Share of the wrong cells that a dictionary can correct, which OpenCV corrects by default."""
 _STEP = 64
@@ -81,8 +86,8 @@ _THOROUGH = _Search(7, 3, 23, 10, _WHOLE_CELL)
 """The threshold is OpenCV's default."""
 _SHARP = _Search(15, 5, 5, 2, CELL)
 """Finds sharp markers of all sizes whose white and black differ by 60 grey levels or more."""
-_BLURRED = _Search(15, 23, 23, 2, _WHOLE_CELL)
-"""Finds markers that are blurred, partly covered or of less contrast, down to 30 pixels."""
+_BLURRED = _Search(7, 23, 23, 2, _WHOLE_CELL)
+"""Finds markers that are blurred, partly covered or of less contrast, in an image that is smoothed against noise."""
 _LARGE = _Search(7, 33, 33, 2, CELL)
 """Finds markers, in an image of half the size, whose border is wider than the windows of `_THOROUGH`.
 
@@ -123,7 +128,7 @@ class Detector:
 
         It misses some that are partly covered or of little contrast.
         """
-        return self._detect(image, _SHARP) + self._detect(cv2.GaussianBlur(image, (5, 5), 0), _BLURRED)
+        return self._detect(image, _SHARP) + self._detect(cv2.GaussianBlur(image, (3, 3), 0), _BLURRED)
 
     def scan_region(self, image: Image, region: Region) -> list[MarkerDetection]:
         """Return the markers in a part of a grey image (H, W); their corners are in pixels of the whole image."""
@@ -173,6 +178,7 @@ def _parameters(search: _Search, longest: int, *, exact: bool) -> Any:
     parameters.adaptiveThreshWinSizeMax = search.largest
     parameters.adaptiveThreshWinSizeStep = search.step
     parameters.perspectiveRemovePixelPerCell = search.cell
+    parameters.minMarkerDistanceRate = _APART
     # OpenCV wants the perimeter relative to the longer side of the image.
     parameters.minMarkerPerimeterRate = 4 * _SMALLEST_SIDE / longest
     return parameters

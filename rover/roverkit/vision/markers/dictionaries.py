@@ -19,7 +19,7 @@ def other_dictionary(image: Image, camera: CameraParameters, chosen: MarkerSet |
     found = {name: _numbers(grey, camera, MarkerSet(name), chosen) for name in _families().values()}
     largest = max(found, key=lambda name: len(found[name]))
     numbers = found[largest]
-    return (_smallest(largest, max(numbers)), numbers) if numbers else None
+    return (smallest(largest, max(numbers)), numbers) if numbers else None
 
 
 def _numbers(grey: Image, camera: CameraParameters, markers: MarkerSet, others: MarkerSet | None) -> list[int]:
@@ -37,7 +37,7 @@ def _families() -> dict[str, str]:
     return {_family(name): name for name in sorted(sizes, key=lambda name: sizes[name])}
 
 
-def _smallest(dictionary: str, number: int) -> str:
+def smallest(dictionary: str, number: int) -> str:
     """Return the smallest dictionary of the same family that contains a marker with this number."""
     sizes = dictionaries()
     fitting = [name for name in sizes if _family(name) == _family(dictionary) and sizes[name] > number]

@@ -60,7 +60,7 @@ class MarkerBatch:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pixels:
-    """Pixels near the edges that were selected for each of K markers, up to N for each."""
+    """Pixels near the edges that were selected for each of K markers, up to N for each, in single precision."""
 
     grey: Floats
     """Grey values (K, N); 0 for padding."""
@@ -175,7 +175,9 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, batch: Mar
     edge = chosen % seen.shape[2]
     grey, real = np.zeros((2, len(index), count), np.float32)
     # padding is at the first point, so that its blur in modules is that of the others
-    out_points, out_slopes = (np.repeat(part[..., :1], count, axis=-1) for part in (points, by_pixel))
+    out_points, out_slopes = (
+        np.repeat(part[..., :1].astype(np.float32), count, axis=-1) for part in (points, by_pixel)
+    )
     grey[marker, row] = image.ravel()[index.reshape(len(index), -1)[marker, chosen]]
     real[marker, row] = 1
     out_points[marker, :, row] = flat[marker, :, chosen]

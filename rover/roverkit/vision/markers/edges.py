@@ -4,8 +4,8 @@ The number of a marker determines where all its edges are: the outer ones, and t
 (modules). Pixels near the edges are compared with a model of the pattern, which a homography maps to the image.
 Gauss-Newton steps change the homography, the blur, and the light. The blur is an ellipse, because motion blurs along
 one direction. The light may vary quadratically over the marker, black and white each in its own way, because a shadow
-darkens and a highlight brightens a part of it. White areas may have grown: a camera that encodes or clips bright light
-shifts all edges towards black.
+darkens and a highlight brightens a part of it. If the residuals show that this is not enough, it may vary with the
+fourth power. White areas may have grown: a camera that encodes or clips bright light shifts all edges towards black.
 
 Printers draw markers from images whose modules are no whole number of pixels. Then the lines between modules are not
 where they should be, while the outer edges are. So the inner lines get offsets of their own if they disagree with the
@@ -74,17 +74,18 @@ FIRST_BLUR = 0.85
 """Standard deviation in pixels of a focused lens's blur, including the area of a pixel."""
 BLURS = (0.4, 4.0)
 """Smallest and largest standard deviation of the blur in pixels, along any direction."""
-# 8 of the homography, 3 of the blur, and 13 of the light: black and contrast, each a polynomial of u and v with 6
-# terms, and the growth of white areas. The offsets of inner lines follow.
-_TERMS = 6
-_GEOMETRY, _LIGHT = 11, 2 * _TERMS + 1
-_UNKNOWNS = _GEOMETRY + _LIGHT
-_FEWEST = 4 * _UNKNOWNS  # fewest pixels of a fit
+SMOOTH, LOCAL = 2, 4
+"""Degrees of the light's polynomials: usually, and for a highlight or a shadow that is smaller than the marker."""
+# 8 of the homography, 3 of the blur, and those of the light: black and contrast, each a polynomial of u and v, and the
+# growth of white areas. The offsets of inner lines follow.
+_GEOMETRY = 11
+_CLIPPED = 255
+_PIXELS = 4  # fewest pixels of a fit, for each unknown
 RIGID = 1e12
 """Precision, relative to that of a pixel, that holds the inner lines where they should be."""
 _MAD_TO_SIGMA = 1.4826  # for a normal distribution: 1 / 0.6745
 _ROUNDING = 0.3  # standard deviation of rounding to whole grey levels: 1 / sqrt(12)
-_RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible, for the sake of the others
+_RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -151,7 +152,7 @@ class _Outcome:
     """Result of one Gauss-Newton step of the edge fit, for K markers with up to N pixels each."""
 
     normal: Floats
-    """Normal matrices (K, U, U) of the U unknowns: 24, and the offsets of inner lines if they may move."""
+    """Normal matrices (K, U, U) of the U unknowns: `rigid`, and the offsets of inner lines if they may move."""
     right: Floats
     """Right sides (K, U) of the normal equations."""
     contrast: Floats
@@ -162,10 +163,12 @@ class _Outcome:
     """Weights (K, N); 0 for outliers."""
     left: Floats
     """Residuals (K, N) after the step; 0 for outliers."""
+    rigid: int
+    """Number of unknowns without the offsets of inner lines."""
 
     def variance(self) -> Floats:
         """Return the variance (K,) of the residuals after the step."""
-        variance: Floats = _squares(self.left) / np.maximum(self.weights.sum(axis=1) - _UNKNOWNS, 1.0)
+        variance: Floats = _squares(self.left) / np.maximum(self.weights.sum(axis=1) - self.rigid, 1.0)
         return variance
 
 
@@ -190,35 +193,96 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
     rigidity = np.array([guess.rigidity for guess in guesses])
     with np.errstate(all="ignore"):  # a wrong guess may diverge; it is rejected below
         pixels = choose_pixels(image, camera, batch, state.homography)
-        visible &= pixels.real.sum(axis=1) >= _FEWEST
+        visible &= pixels.real.sum(axis=1) >= _PIXELS * _rigid_unknowns(SMOOTH)
         pixel = batch.scale * float(np.max(camera.focal))  # pixels per unit of the scaled rays
         active, coarse = np.flatnonzero(visible), pixels.every(COARSE)
         for _ in range(COARSE_STEPS):
+            if not active.size:
+                break
             before, part = state.only(active), coarse.only(active)
-            moved, _unused = _step(batch.only(active), before, part)
+            moved, _unused = _step(batch.only(active), before, part, SMOOTH)
             state.put(active, moved)
             active = active[_shift(before, moved) * pixel[active] > NEAR]
-            if not active.size:
-                break
-        shift, outcomes = np.full(len(guesses), np.inf), dict[int, tuple[_Outcome, int]]()
-        active = np.flatnonzero(visible)
-        for _ in range(FINE_STEPS):
-            if not active.size:
-                break
-            before, part, known = state.only(active), pixels.only(active), rigidity[active]
-            moved, outcome = _step(batch.only(active), before, part, known)
-            state.put(active, moved)
-            outcomes.update((marker, (outcome, row)) for row, marker in enumerate(active.tolist()))
-            earlier, shift[active] = shift[active], _shift(before, moved) * pixel[active]
-            rigidity[active] = np.where(shift[active] < NEAR, _rigidity(outcome, before.lines), known)
-            loosened = (known == RIGID) & (rigidity[active] < RIGID)
-            # Pixels at the limit of outliers, or at that of the blur, can keep a fit from coming to rest.
-            resting = (shift[active] <= SETTLED) | ((shift[active] < NEAR) & (shift[active] > earlier / 2))
-            active = active[~resting | loosened]
-        visible &= shift < UNSETTLED
-        chosen = np.flatnonzero(visible)
-        fits = dict(zip(chosen.tolist(), _fits(batch, state, pixels, chosen, outcomes, rigidity)))
+        fits, local = _settled(batch, state, pixels, rigidity, pixel, np.flatnonzero(visible), SMOOTH)
+        fits |= _settled(batch, state, pixels, rigidity, pixel, local, LOCAL)[0]
     return [fits.get(k) for k in range(len(guesses))]
+
+
+def _settled(
+    batch: MarkerBatch,
+    state: _State,
+    pixels: Pixels,
+    rigidity: Floats,
+    pixel: Floats,
+    active: NDArray[np.intp],
+    degree: int,
+) -> tuple[dict[int, Fit], NDArray[np.intp]]:
+    """Make steps with all pixels until the `active` markers rest. Changes `state` and `rigidity`.
+
+    `pixel` (K,) is the number of pixels per unit of the scaled rays. Returns the fits of the markers, and those markers
+    whose light varies more than a polynomial of this degree.
+    """
+    shift, outcomes = np.full(len(pixel), np.inf), dict[int, tuple[_Outcome, int]]()
+    for _ in range(FINE_STEPS):
+        if not active.size:
+            break
+        before, part, known = state.only(active), pixels.only(active), rigidity[active]
+        moved, outcome = _step(batch.only(active), before, part, degree, known)
+        state.put(active, moved)
+        outcomes.update((marker, (outcome, row)) for row, marker in enumerate(active.tolist()))
+        earlier, shift[active] = shift[active], _shift(before, moved) * pixel[active]
+        rigidity[active] = np.where(shift[active] < NEAR, _rigidity(outcome, before.lines), known)
+        loosened = (known == RIGID) & (rigidity[active] < RIGID)
+        # Pixels at the limit of outliers, or at that of the blur, can keep a fit from coming to rest.
+        resting = (shift[active] <= SETTLED) | ((shift[active] < NEAR) & (shift[active] > earlier / 2))
+        active = active[~resting | loosened]
+    chosen = np.flatnonzero(shift < UNSETTLED)
+    if not chosen.size:
+        return {}, chosen
+    last = [outcomes[marker] for marker in chosen.tolist()]
+    fits = dict(zip(chosen.tolist(), _fits(batch, state, pixels, chosen, last, rigidity)))
+    return {marker: fit for marker, fit in fits.items() if fit}, chosen[_is_local(state, pixels, chosen, last)]
+
+
+def _is_local(
+    state: _State, pixels: Pixels, chosen: NDArray[np.intp], last: Sequence[tuple[_Outcome, int]]
+) -> NDArray[np.bool_]:
+    """Return a mask (C,) of the chosen markers whose residuals vary smoothly over the marker, as light does.
+
+    A polynomial of the degree `LOCAL` is fitted to the residuals; with a light of degree `SMOOTH` alone, the part that
+    it explains is chi squared.
+    """
+    known = _terms_count(SMOOTH)
+    square, _ = apply(np.linalg.inv(state.homography[chosen]).astype(np.float32), pixels.points[chosen])
+    terms = _terms(square, LOCAL)[:, known:]
+    weights = np.stack([outcome.weights[row] for outcome, row in last])
+    left = np.stack([outcome.left[row] for outcome, row in last])
+    right = (terms @ left[:, :, None]).astype(float)
+    solution = _solve(((terms * weights[:, None]) @ terms.transpose(0, 2, 1)).astype(float), right)
+    variance = np.array([outcome.variance()[row] for outcome, row in last])
+    enough = pixels.real[chosen].sum(axis=1) >= _PIXELS * _rigid_unknowns(LOCAL)
+    explained = np.einsum("kt,kt->k", solution, right[..., 0]) / variance
+    local: NDArray[np.bool_] = enough & (explained > chi2_limit(terms.shape[1]))
+    return local
+
+
+def _terms_count(degree: int) -> int:
+    return (degree + 1) * (degree + 2) // 2
+
+
+def _rigid_unknowns(degree: int) -> int:
+    """Return the number of unknowns of a fit without the offsets of inner lines."""
+    return _GEOMETRY + 2 * _terms_count(degree) + 1
+
+
+def _terms(square: Floats, degree: int) -> Floats:
+    """Return the terms (K, T, N) of a polynomial of u and v at points (K, 2, N), those of low degrees first."""
+    powers: list[Floats] = [np.ones(square.shape, np.float32)]
+    for _ in range(degree):
+        powers.append(powers[-1] * square)
+    return np.stack(
+        [powers[total - v][:, 0] * powers[v][:, 1] for total in range(degree + 1) for v in range(total + 1)], axis=1
+    )
 
 
 def _straight(pattern: Pattern) -> Floats:
@@ -226,28 +290,28 @@ def _straight(pattern: Pattern) -> Floats:
     return np.zeros((2, pattern.modules - 1))
 
 
-def _step(batch: MarkerBatch, state: _State, pixels: Pixels, rigidity: Floats | None = None) -> tuple[_State, _Outcome]:
+def _step(
+    batch: MarkerBatch, state: _State, pixels: Pixels, degree: int, rigidity: Floats | None = None
+) -> tuple[_State, _Outcome]:
     """Make one Gauss-Newton step for all markers, in which outliers have no weight; return the new state.
 
-    With `rigidity` (K,), the inner lines between modules may move. It is the precision with which they are known to be
-    where they should be, relative to that of a pixel.
+    `degree` is that of the light's polynomials. With `rigidity` (K,), the inner lines between modules may move. It is
+    the precision with which they are known to be where they should be, relative to that of a pixel.
     """
-    design, terms = _design(batch, state, pixels, with_lines=rigidity is not None)
-    light = design[:, _GEOMETRY:_UNKNOWNS]
-    seen = light @ pixels.grey[:, :, None]
-    level = _solve((light @ light.transpose(0, 2, 1)).astype(float), seen.astype(float)).astype(np.float32)
-    residuals = pixels.grey - (level[:, None] @ light)[:, 0]
-    contrast = (level[:, None, _TERMS:-1] @ terms)[:, 0]
+    design, terms = _design(batch, state, pixels, degree, with_lines=rigidity is not None)
+    count, rigid = terms.shape[1], _rigid_unknowns(degree)
+    level, residuals, known = _lit(design[:, _GEOMETRY:rigid], pixels)
+    contrast = (level[:, None, count:-1] @ terms)[:, 0]
     # Variable projection: the light is solved linearly first, then all unknowns take one step together.
     design[:, :_GEOMETRY] *= contrast[:, None]
-    design[:, _UNKNOWNS:] *= contrast[:, None]
-    weights = _weights(residuals, pixels.real)
+    design[:, rigid:] *= contrast[:, None]
+    weights = _weights(residuals, known)
     weighted = design * weights[:, None]
     normal = (weighted @ design.transpose(0, 2, 1)).astype(float)
     right = (weighted @ residuals[:, :, None]).astype(float)
     held, towards = normal.copy(), right.copy()
     if rigidity is not None:
-        free = np.arange(_UNKNOWNS, normal.shape[1])
+        free = np.arange(rigid, normal.shape[1])
         held[:, free, free] += rigidity[:, None]
         towards[:, free, 0] -= rigidity[:, None] * state.lines.reshape(len(normal), -1)
     change = _solve(held, towards)
@@ -255,9 +319,33 @@ def _step(batch: MarkerBatch, state: _State, pixels: Pixels, rigidity: Floats | 
     homography = state.homography.copy()
     homography.reshape(-1, 9)[:, :8] += change[:, :8]
     blur = _possible(state.blur + change[:, [8, 9, 9, 10]].reshape(-1, 2, 2))
-    lines = state.lines + change[:, _UNKNOWNS:].reshape(state.lines.shape) if rigidity is not None else state.lines
+    lines = state.lines + change[:, rigid:].reshape(state.lines.shape) if rigidity is not None else state.lines
     moved = _State(homography, blur, lines)
-    return moved, _Outcome(normal, right[..., 0], level[:, _TERMS], residuals, weights, left)
+    return moved, _Outcome(normal, right[..., 0], level[:, count], residuals, weights, left, rigid)
+
+
+def _lit(light: Floats, pixels: Pixels) -> tuple[Floats, Floats, Floats]:
+    """Solve for the light, given its derivatives (K, L, N).
+
+    Returns the coefficients (K, L), the residuals (K, N), and the weights (K, N) of the pixels that tell something: 0
+    for padding, and for pixels that are as bright as an image can be and that should be brighter.
+    """
+    clipped = pixels.grey >= _CLIPPED
+    level, residuals = _level(light, pixels.grey, pixels.real * ~clipped)
+    known = pixels.real
+    if clipped.any():
+        known = known * ~(clipped & (residuals < 0))
+        level, residuals = _level(light, pixels.grey, known)
+        known = pixels.real * ~(clipped & (residuals < 0))
+    return level, residuals * known, known
+
+
+def _level(light: Floats, grey: Floats, known: Floats) -> tuple[Floats, Floats]:
+    """Return the coefficients (K, L) of the light that fits grey values (K, N) with weights (K, N); and residuals."""
+    used = light * known[:, None]
+    normal, right = used @ light.transpose(0, 2, 1), used @ grey[:, :, None]
+    level = _solve(normal.astype(float), right.astype(float)).astype(np.float32)
+    return level, grey - (level[:, None] @ light)[:, 0]
 
 
 def _possible(blur: Floats) -> Floats:
@@ -276,10 +364,8 @@ def _rigidity(outcome: _Outcome, lines: Floats) -> Floats:
     lines, and so has bent paper; the outer edges are then the only ones that determine the marker. The variance of the
     offsets is estimated with the method of DerSimonian and Laird (1986).
     """
-    normal = outcome.normal.copy()
-    free = np.arange(_UNKNOWNS, normal.shape[1])
-    normal[:, free, free] += _RIDGE * (1 + normal[:, free, free])
-    inverse = np.linalg.inv(np.where(np.isfinite(normal), normal, 0) + _RIDGE * np.eye(normal.shape[1]))
+    free = np.arange(outcome.rigid, outcome.normal.shape[1])
+    inverse = np.linalg.inv(_regular(outcome.normal))
     offsets = lines.reshape(len(lines), -1) + (inverse @ outcome.right[:, :, None])[:, free, 0]
     variance = outcome.variance()
     precision = 1 / np.maximum(inverse.diagonal(axis1=1, axis2=2)[:, free], 1e-12) / variance[:, None]
@@ -302,9 +388,16 @@ def _squares(values: Floats) -> Floats:
 
 def _solve(normal: Floats, right: Floats) -> Floats:
     """Return the solutions (K, n) of K systems of normal equations: matrices (K, n, n), right sides (K, n, 1)."""
-    diagonal = np.einsum("kii->ki", normal)
+    return np.linalg.solve(_regular(normal), right)[..., 0]
+
+
+def _regular(normal: Floats) -> Floats:
+    """Return normal matrices (K, n, n) that can be inverted, for the sake of the other markers."""
+    usable = np.isfinite(normal).all(axis=(1, 2), keepdims=True)
+    regular = np.where(usable, normal, np.eye(normal.shape[1]))
+    diagonal = np.einsum("kii->ki", regular)
     diagonal += _RIDGE * (diagonal + 1)
-    return np.linalg.solve(normal, right)[..., 0]
+    return regular
 
 
 def _weights(residuals: Floats, real: Floats) -> Floats:
@@ -320,35 +413,38 @@ def _weights(residuals: Floats, real: Floats) -> Floats:
     return weights
 
 
-def _design(batch: MarkerBatch, state: _State, pixels: Pixels, *, with_lines: bool) -> tuple[Floats, Floats]:
-    """Return the derivatives (K, U, N) of the model, and the terms (K, 6, N) of the light's polynomial at the pixels.
+def _design(
+    batch: MarkerBatch, state: _State, pixels: Pixels, degree: int, *, with_lines: bool
+) -> tuple[Floats, Floats]:
+    """Return the derivatives (K, U, N) of the model, and the terms (K, T, N) of the light's polynomial at the pixels.
 
-    The derivatives are with respect to 8 elements of the homography, 3 of the blur, 13 coefficients of the light, and
+    The derivatives are with respect to 8 elements of the homography, 3 of the blur, the coefficients of the light, and
     the offsets of the inner lines if `with_lines` is true. All but those of the light are for a contrast of 1. If the
     homography moves while the pixel stays, the pixel sees the pattern move in the opposite direction.
     """
-    square, by_point = apply(np.linalg.inv(state.homography), pixels.points)
+    # single precision is twice as fast; the normal equations are solved in double precision
+    square, by_point = apply(np.linalg.inv(state.homography).astype(np.float32), pixels.points)
     by_pixel = product(by_point, pixels.by_pixel) * batch.half
     places = square * batch.half + batch.half
-    predicted = predict_grey(batch.differences, places, by_pixel, state.blur, state.lines, with_lines=with_lines)
-    w = (state.homography[:, 2:, :2] @ square)[:, 0] + 1
+    blur = state.blur.astype(np.float32)
+    predicted = predict_grey(batch.differences, places, by_pixel, blur, state.lines, with_lines=with_lines)
+    w = (state.homography[:, 2:, :2].astype(np.float32) @ square)[:, 0] + 1
     by_place = predicted.by_u[:, None] * by_point[:, 0] + predicted.by_v[:, None] * by_point[:, 1]
     by_place *= (-batch.half * pixels.real / w)[:, None]
-    # single precision is twice as fast; the normal equations are solved in double precision
-    design = np.empty((len(square), _UNKNOWNS + predicted.by_lines.shape[1], square.shape[2]), np.float32)
+    rigid = _rigid_unknowns(degree)
+    design = np.empty((len(square), rigid + predicted.by_lines.shape[1], square.shape[2]), np.float32)
     design[:, 0:2] = by_place[:, :1] * square
     design[:, 2] = by_place[:, 0]
     design[:, 3:5] = by_place[:, 1:] * square
     design[:, 5] = by_place[:, 1]
     design[:, 6:8] = -(by_place * pixels.points).sum(axis=1)[:, None] * square
     design[:, 8:11] = predicted.by_blur * pixels.real[:, None]
-    u, v = square.astype(np.float32).transpose(1, 0, 2)
-    terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=1) * pixels.real[:, None]
-    white = _GEOMETRY + _TERMS
+    terms = _terms(square, degree) * pixels.real[:, None]
+    white = _GEOMETRY + terms.shape[1]
     design[:, _GEOMETRY:white] = terms
-    design[:, white : white + _TERMS] = predicted.grey[:, None] * terms
-    design[:, _UNKNOWNS - 1] = predicted.by_growth * pixels.real
-    design[:, _UNKNOWNS:] = predicted.by_lines * pixels.real[:, None]
+    design[:, white : rigid - 1] = predicted.grey[:, None] * terms
+    design[:, rigid - 1] = predicted.by_growth * pixels.real
+    design[:, rigid:] = predicted.by_lines * pixels.real[:, None]
     return design, terms
 
 
@@ -357,26 +453,20 @@ def _fits(
     state: _State,
     pixels: Pixels,
     chosen: NDArray[np.intp],
-    outcomes: dict[int, tuple[_Outcome, int]],
+    last: Sequence[tuple[_Outcome, int]],
     rigidity: Floats,
 ) -> list[Fit | None]:
     """Return the results of the fit for the chosen markers; None for one whose covariance is not finite.
 
-    `outcomes` has the last step for each marker, and its place in this step.
+    `last` has the last step for each of them, and its place in this step.
     """
-    if not chosen.size:
-        return []
-    last = [outcomes[marker] for marker in chosen.tolist()]
     normal = np.stack([outcome.normal[row] for outcome, row in last])
     variance = np.array([outcome.variance()[row] for outcome, row in last])
     squares = np.array([float(np.sum(outcome.residuals[row] ** 2)) for outcome, row in last])
-    free = np.arange(_UNKNOWNS, normal.shape[1])
+    free = np.arange(last[0][0].rigid, normal.shape[1])
     normal[:, free, free] += rigidity[chosen, None]
     usable = np.isfinite(normal).all(axis=(1, 2))
-    normal[~usable] = np.eye(normal.shape[1])
-    diagonal = np.einsum("kii->ki", normal)
-    diagonal += _RIDGE * (diagonal + 1)
-    by_unknowns = np.linalg.inv(normal)[:, :8, :8] * variance[:, None, None]
+    by_unknowns = np.linalg.inv(_regular(normal))[:, :8, :8] * variance[:, None, None]
     corners, by_homography = _corners(state.homography[chosen])
     covariance = by_homography @ by_unknowns @ np.swapaxes(by_homography, 1, 2) * batch.scale[chosen, None, None] ** 2
     usable &= np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(corners).all(axis=(1, 2))

@@ -1,8 +1,10 @@
 """Reading of the markers in squares that a detector has found and could not read.
 
 OpenCV reads a cell of a marker from the share of its pixels that are white, and gives up when a few cells are covered,
-blurred or shaded. Here, each cell is the mean of some points around its centre, which keep away from its neighbours. A
-wrong reading is possible; the edge fit, which compares all edges of the pattern with the image, rejects it.
+blurred or shaded. Here, each cell is the mean of some points around its centre, which keep away from its neighbours.
+The cells are compared with each pattern of the dictionary, its black border included, while the light may vary
+quadratically over the square: a black cell in a highlight can be brighter than a white one beside it. A wrong reading
+is possible; the edge fit, which compares all edges of the pattern with the image, rejects it.
 """
 
 from __future__ import annotations
@@ -34,14 +36,21 @@ class SquareReader:
         """Read the markers whose cells inside the border are `white` (D, n, n); with `exact`, none may be wrong."""
         self._cells = white.shape[1] + 2
         self._most_wrong = 0 if exact else _most_wrong(4 * len(white), white[0].size)
-        turned = np.stack([np.rot90(white, turns, axes=(1, 2)) for turns in range(4)], axis=1)
-        self._signs = np.where(turned.reshape(4 * len(white), -1), np.float32(1), np.float32(-1))
-        steps = ((np.arange(self._cells)[:, None] + 0.5 + np.array(_NEAR)) * (2 / self._cells) - 1).ravel()
-        u, v = np.meshgrid(steps, steps)
-        self._points = np.stack([u.ravel(), v.ravel()])
+        whole = np.pad(white, ((0, 0), (1, 1), (1, 1)))
+        turned = np.stack([np.rot90(whole, turns, axes=(1, 2)) for turns in range(4)], axis=1)
+        self._white = turned.reshape(4 * len(white), -1)
         inside = np.zeros((self._cells, self._cells), dtype=bool)
         inside[1:-1, 1:-1] = True
         self._inside = inside.ravel()
+        centres = (np.arange(self._cells) + 0.5) * (2 / self._cells) - 1
+        steps = (centres[:, None] + np.array(_NEAR) * (2 / self._cells)).ravel()
+        self._points = np.stack([axis.ravel() for axis in np.meshgrid(steps, steps)])
+        u, v = (axis.ravel() for axis in np.meshgrid(centres, centres))
+        light = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=1)
+        self._light = np.linalg.qr(light)[0].astype(np.float32)
+        patterns = self._without_light(np.where(self._white, np.float32(0.5), np.float32(-0.5)))
+        self._lengths = np.linalg.norm(patterns, axis=1)
+        self._patterns = patterns / self._lengths[:, None]
 
     def read(self, image: NDArray[np.uint8], squares: Sequence[Floats]) -> list[tuple[int, Floats, int]]:
         """Return the markers in squares of a grey image (H, W): number, corners in OpenCV's order, and wrong cells.
@@ -56,19 +65,28 @@ class SquareReader:
         x, y = np.nan_to_num(places).astype(np.float32).transpose(1, 0, 2).copy()
         grey = cv2.remap(image, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         near = len(_NEAR)
-        cells = grey.reshape(-1, self._cells, near, self._cells, near).mean(axis=(2, 4)).reshape(len(corners), -1)
-        white, contrast = _split(cells)
-        usable = (contrast > _CONTRAST) & (white[:, ~self._inside].mean(axis=1) <= _BORDER)
-        agreement = np.where(white[:, self._inside], np.float32(1), np.float32(-1)) @ self._signs.T
-        best, most = agreement.argmax(axis=1), agreement.max(axis=1)
-        wrong = (self._signs.shape[1] - most) / 2
-        usable &= wrong <= self._most_wrong
-        usable &= (agreement == most[:, None]).sum(axis=1) == 1
+        cells = grey.reshape(-1, self._cells, near, self._cells, near).mean(axis=(2, 4), dtype=np.float32)
+        cells = cells.reshape(len(corners), -1)
+        agreement = self._without_light(cells) @ self._patterns.T
+        best = agreement.argmax(axis=1)
+        white = self._white[best]
+        contrast = agreement[np.arange(len(best)), best] / self._lengths[best]
+        flat = cells - np.where(white, contrast[:, None] / 2, -contrast[:, None] / 2)  # black and white alike
+        wrong = white != (cells > flat - self._without_light(flat))
+        count = wrong[:, self._inside].sum(axis=1)
+        usable = (
+            (contrast > _CONTRAST) & (wrong[:, ~self._inside].mean(axis=1) <= _BORDER) & (count <= self._most_wrong)
+        )
         # A pattern that is turned by 90 degrees has its first corner where the second one was.
         return [
-            (int(best[place]) // 4, np.roll(corners[place], int(best[place]) % 4, axis=0), int(wrong[place]))
+            (int(best[place]) // 4, np.roll(corners[place], int(best[place]) % 4, axis=0), int(count[place]))
             for place in np.flatnonzero(usable).tolist()
         ]
+
+    def _without_light(self, cells: Floats) -> Floats:
+        """Return grey values (R, N) of cells without the part that varies as light does."""
+        rest: Floats = cells - (cells @ self._light) @ self._light.T
+        return rest
 
 
 def _most_wrong(codes: int, cells: int) -> int:
@@ -77,20 +95,3 @@ def _most_wrong(codes: int, cells: int) -> int:
     while (chance := chance + codes * math.comb(cells, wrong + 1) / 2**cells) < _CHANCE:
         wrong += 1
     return wrong
-
-
-def _split(cells: Floats) -> tuple[NDArray[np.bool_], Floats]:
-    """Divide the grey values (R, N) of cells into black and white ones (Otsu, 1979).
-
-    Returns a mask (R, N) of the white cells, and the difference (R,) between the means of both classes.
-    """
-    ordered = np.sort(cells, axis=1)
-    count = np.arange(1, cells.shape[1])
-    sums = np.cumsum(ordered, axis=1)
-    low = sums[:, :-1] / count
-    high = (sums[:, -1:] - sums[:, :-1]) / (cells.shape[1] - count)
-    between = count * (cells.shape[1] - count) * (high - low) ** 2
-    best = between.argmax(axis=1)
-    row = np.arange(len(cells))
-    limit = (ordered[row, best] + ordered[row, best + 1]) / 2
-    return cells > limit[:, None], (high - low)[row, best]
