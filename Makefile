@@ -38,7 +38,7 @@ exhaustive: $(VENV)/ready-full  ## thousands of random histories, every change o
 	$(MAKE) soak SOAK_SECONDS=3600
 
 test-vision: $(VENV)/ready-vision  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV
-	$(PYTEST) rover/tests/vision rover/tests/programs/test_aruco_track.py rover/tests/programs/test_aruco_calibrate.py rover/tests/programs/test_objects_*.py rover/tests/programs/test_video.py
+	$(PYTEST) -m 'opencv or not (slow or exhaustive)' rover/tests/vision rover/tests/programs/test_aruco_track.py rover/tests/programs/test_aruco_calibrate.py rover/tests/programs/test_objects_*.py rover/tests/programs/test_video.py
 
 test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
 	$(PYTHON) tests/ros2/run.py $(ROS2)

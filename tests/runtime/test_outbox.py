@@ -67,7 +67,6 @@ def _loads(draw: st.DrawFn, budget: int, urgent: int = 1_000) -> list[_Item]:
     return load
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.data(), _BUDGETS, st.sampled_from([0.0, 0.001, 0.05]))
 def test_each_second_stays_within_the_budget_in_order(data: st.DataObject, budget: int, late: float) -> None:
     """Whatever comes, and however late the timer is; what is dropped was older, or less urgent, than what left."""
