@@ -38,7 +38,7 @@ exhaustive: $(VENV)/ready-full  ## thousands of random histories, every change o
 	$(MAKE) soak SOAK_SECONDS=3600
 
 test-vision: $(VENV)/ready-vision  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV
-	$(PYTEST) rover/tests/vision rover/tests/programs/test_aruco_track.py rover/tests/programs/test_aruco_calibrate.py rover/tests/programs/test_objects_*.py rover/tests/programs/test_video.py
+	$(PYTEST) -m 'opencv or not (slow or exhaustive)' rover/tests/vision rover/tests/programs/test_aruco_track.py rover/tests/programs/test_aruco_calibrate.py rover/tests/programs/test_objects_*.py rover/tests/programs/test_video.py
 
 test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
 	$(PYTHON) tests/ros2/run.py $(ROS2)
@@ -130,8 +130,8 @@ $(VENV)/ready-dev: PACKAGES = '.[dev]' './rover[vision]' ./check_launch
 $(VENV)/ready-dev: SIZE = 550
 $(VENV)/ready-full: PACKAGES = '.[full]' './rover[train,fusion,video]' ./check_launch
 $(VENV)/ready-full: SIZE = 1700
-$(VENV)/ready-vision: PACKAGES = '.[dev]' './rover[detect,fusion,video]' ./check_launch
-$(VENV)/ready-vision: SIZE = 1000
+$(VENV)/ready-vision: PACKAGES = '.[dev]' './rover[detect,video]' ./check_launch
+$(VENV)/ready-vision: SIZE = 950
 $(VENV)/ready-docs: PACKAGES = '.[docs]' ./rover ./check_launch
 $(VENV)/ready-docs: SIZE = 200
 $(VENV)/ready-fuzz: PACKAGES = '.[fuzz]'

@@ -25,9 +25,10 @@ _REPOSITORY = Path(__file__).parent
 os.environ.setdefault("HYPOTHESIS_NO_PLUGINS", "1")  # Selenium brings Trio, whose plugin takes a tenth of a second
 with contextlib.suppress(ImportError):  # the environments of tests/ros2 have no Hypothesis
     from hypothesis import HealthCheck, settings
+    from hypothesis.internal.conjecture import providers
 
     # A loaded machine says nothing about the code: no property has a deadline.
-    settings.register_profile("roverlink", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+    settings.register_profile("roverlink", max_examples=50, deadline=None, suppress_health_check=[HealthCheck.too_slow])
     settings.load_profile("roverlink")
 
 
@@ -64,9 +65,15 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 def pytest_configure(config: pytest.Config) -> None:
     """Know the markers of the tests that take long, and give default signals to the programs that tests start."""
     config.addinivalue_line("markers", "slow: takes a third of a second or more; runs where -m names it")
+    config.addinivalue_line(
+        "markers", "opencv: judges what a version of OpenCV sees; make test-vision runs it, slow or not"
+    )
     config.addinivalue_line("markers", "exhaustive: goes through thousands of cases; runs where -m names it")
     if config.getoption("update_cases") and config.getoption("numprocesses", 0):
         raise pytest.UsageError("--update-cases writes files that all workers would share: run it without -n")
+    if "slow" not in str(config.getoption("markexpr")) and "hypothesis" in sys.modules:
+        # Hypothesis parses each of our modules for constants to draw: 6 s in each worker, if there is no cache yet.
+        providers._get_local_constants = lambda: providers._local_constants
     restore_default_signals()
     gc.disable()  # collecting the tests makes many objects that stay, and no garbage
 

@@ -84,6 +84,7 @@ def test_the_smallest_limit_of_a_line_is_told(tmp_path: Path, called: Called) ->
         assert f"as nanopb does; {limit}\n" in called("explain", name, "--table", tmp_path / "mapping.yaml")[1]
 
 
+@pytest.mark.slow
 def test_what_is_missing_is_told_beside_what_is_there(project: Path, called: Called) -> None:
     """A number that is retired says so; without generated code there is no example; a wrong table is told instead."""
     assert called("number", "retire", "imu_info", folder=project)[0] == 0

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from golden import PROBE_PROTO, PROBE_TABLE, generate
 from needs import NO_AV, NO_FOXGLOVE, NO_ONNX, NO_OPENCV
 from running import exit_code, record_one_message
 
@@ -55,6 +56,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, text in _FILES.items():
         (folder / name).write_text(text, encoding="utf-8")
     record_one_message(folder / "run.mcap")
+    (folder / "small" / "proto").mkdir(parents=True)
+    (folder / "small" / "proto" / "probe.proto").write_text(PROBE_PROTO, encoding="utf-8")
+    (folder / "small" / "mapping.yaml").write_text(PROBE_TABLE, encoding="utf-8")
+    assert generate(folder / "small").code == 0
     return folder
 
 

@@ -35,7 +35,6 @@ def _damaged(draw: st.DrawFn) -> bytes:
 
 
 @pytest.mark.parametrize("name", TARGETS)
-@settings(max_examples=60)
 @given(data=st.binary(max_size=200) | _damaged())
 @example(data=b"")
 @example(data=b"\x0a\xff\xff\xff\xff\x0f")

@@ -50,6 +50,7 @@ def _rover(seed: int, stack: ExitStack, metres: float, **options: Any) -> FieldD
     return rover
 
 
+@pytest.mark.slow
 def test_the_fused_pose_is_better_than_the_odometry_and_knows_how_good_it_is(stack: ExitStack) -> None:
     """Over 26 m with slip, its error fits the covariance; map to odom leads from the odometry to it (REP 105)."""
     rover = _rover(3, stack, 6)  # past two landmarks
@@ -76,6 +77,7 @@ def test_the_fused_pose_is_better_than_the_odometry_and_knows_how_good_it_is(sta
     assert message.twist.twist.linear.x == pytest.approx(rover.model.speed, abs=0.1)
 
 
+@pytest.mark.slow
 def test_without_landmarks_the_covariance_grows_as_the_error_may(stack: ExitStack) -> None:
     """While the camera sees nothing, the pose goes on with the odometry, and a landmark corrects it again."""
     rover = _rover(5, stack, 8)
@@ -91,6 +93,7 @@ def test_without_landmarks_the_covariance_grows_as_the_error_may(stack: ExitStac
     assert rover.error[1][0, 0] < blind[0, 0] / 2
 
 
+@pytest.mark.slow
 def test_a_landmark_that_was_moved_is_found_and_named(stack: ExitStack, caplog: pytest.LogCaptureFixture) -> None:
     """It is the first one that the rover sees. There is no pose until two others agree, and then it is right."""
     logger = logging.getLogger("fusion")
@@ -254,6 +257,7 @@ def test_gps_limits_the_error_while_no_landmark_is_seen(stack: ExitStack) -> Non
     assert spread[True] < 0.7 * spread[False]
 
 
+@pytest.mark.slow
 def test_a_simulation_that_begins_again_begins_the_fusion_again(stack: ExitStack) -> None:
     """After the time has jumped back, poses come from what is seen since then."""
     rover = _rover(6, stack, 6)

@@ -115,7 +115,6 @@ def test_successive_motions_are_one_motion(first: float, second: float, directio
 
 
 @given(_poses, _rotations, st.tuples(_metres, _metres, _metres), _rotations)
-@settings(max_examples=50)
 def test_a_sighting_leads_from_the_rover_to_the_surveyed_place(
     rover: PlanarPose, turn: np.ndarray, position: tuple[float, float, float], tilt: np.ndarray
 ) -> None:

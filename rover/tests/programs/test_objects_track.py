@@ -141,6 +141,7 @@ def _seen(number: int) -> tuple[Image, Image, CameraInfo]:
     return image(colour, "rgb8", stamp), image(depth, "16UC1", stamp), camera_info(_CAMERA, stamp)
 
 
+@pytest.mark.slow
 @needs_dds
 def test_objects_of_a_depth_camera_are_published(start: Start, model: Path) -> None:
     """Boxes, positions, the drawn image, and the messages for the basestation, all with the stamp of the image."""

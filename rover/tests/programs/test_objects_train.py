@@ -14,6 +14,8 @@ from roverlink.__main__ import main
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 pytest.importorskip("onnxruntime", reason=NO_ONNX)
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def scenes(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -38,7 +40,6 @@ def test_rendered_scenes_are_a_folder_to_learn_from(scenes: Path) -> None:
 
 
 @needs_jax
-@pytest.mark.slow
 def test_a_network_is_trained_and_measured(scenes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The file is a model for `measure` and `track`; the result has each class of the images."""
     model = tmp_path / "m.onnx"
@@ -56,7 +57,6 @@ def test_a_network_is_trained_and_measured(scenes: Path, tmp_path: Path, capsys:
 
 
 @needs_jax
-@pytest.mark.slow
 def test_a_training_that_is_stopped_goes_on(
     scenes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

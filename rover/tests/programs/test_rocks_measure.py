@@ -119,6 +119,7 @@ def test_ros_2_selects_the_camera(scene: RockScene, monkeypatch: pytest.MonkeyPa
         assert "no size of the rock (no_image)" in measuring.log[-1]
 
 
+@pytest.mark.slow
 def test_a_camera_that_is_not_calibrated_gives_no_size(scene: RockScene) -> None:
     """The reason names the topic and the cure."""
     with ExitStack() as held:

@@ -19,6 +19,8 @@ cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
 pytest.importorskip("av", reason=NO_AV)
 
+pytestmark = pytest.mark.slow
+
 _CAPS = "application/x-rtp,media=video,encoding-name=H264,payload=96"
 _IMAGES = 20
 _SDP = """v=0
@@ -134,7 +136,6 @@ def test_others_show_what_we_send(sender: Program, port: int, tmp_path: Path, pa
     assert sender.interrupt() == 0
 
 
-@pytest.mark.slow
 def test_gstreamer_encodes_our_images(start: Start, tmp_path: Path, receiver: tuple[Program, int]) -> None:
     """With the rover's earlier pipeline, by its name; it ends with the sender."""
     _needs("gst-launch-1.0", "gstreamer1.0-tools")

@@ -43,6 +43,8 @@ def test_poses_are_as_accurate_as_promised(side_px: int, poses: int) -> None:
     assert poses < 200 or 6 - 1.7 * (6 - low) < found.nees < 6 + 1.7 * (high - 6)  # the band, widened to 99.9 %
 
 
+@pytest.mark.opencv
+@pytest.mark.slow
 @pytest.mark.skipif(not ROOM.is_dir(), reason="need the photographs of a room (../shared/photos)")
 def test_markers_in_photographs_are_seen_and_nothing_else() -> None:
     """On the walls of a room, at one photograph a second: more than OpenCV finds, no other, and of others none."""

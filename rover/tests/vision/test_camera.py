@@ -36,7 +36,6 @@ rays = st.tuples(st.floats(-0.6, 0.6), st.floats(-0.5, 0.5)).map(np.array)
 kinds = st.sampled_from(list(CAMERAS))
 
 
-@settings(max_examples=60)
 @given(kinds, rays)
 def test_projection_is_that_of_opencv(kind: str, ray: np.ndarray) -> None:
     """A calibration by OpenCV means here what it means there; its ray for a pixel, iterated to the end, is the same."""

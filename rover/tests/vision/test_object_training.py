@@ -230,6 +230,7 @@ def test_the_target_of_an_object_is_its_cell() -> None:
     assert [16 * np.exp(width), 16 * np.exp(height)] == pytest.approx([12, 24], rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_file_gives_what_the_network_gives(training: Any, tmp_path: Path) -> None:
     """ONNX Runtime and jax agree to 1e-4; at other cells than peaks, the file has no score."""
     weights, statistics = training.jax_network.new_weights(3, 2)

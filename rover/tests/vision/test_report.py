@@ -15,6 +15,8 @@ from roverkit.calibration.report import report
 
 from rover.tests.vision.boards import BOARD, CAMERA, NOISE, views
 
+pytestmark = pytest.mark.slow
+
 VERSIONS = {"roverlink": "1.2.3", "OpenCV": "5.0.0"}
 START_NS = 1_700_000_000_000_000_000  # 2023-11-14 22:13:20
 
@@ -79,7 +81,6 @@ def lines(picture: ElementTree.Element, kind: str) -> np.ndarray:
     return np.array(numbers, dtype=float)
 
 
-@pytest.mark.slow
 def test_it_needs_nothing_else() -> None:
     """Nothing is fetched, nothing runs, and the same calibration gives the same bytes: its times are the views'."""
     assert _Text(page()).fetched == []
@@ -88,7 +89,6 @@ def test_it_needs_nothing_else() -> None:
     assert "2023-11-14 22:13:20 to 22:13:39 UTC" in page()
 
 
-@pytest.mark.slow
 def test_every_number_has_its_interval() -> None:
     """With two digits of the interval, and as many decimals of the value."""
     rows = {row[0]: row[1:] for row in _Text(page()).rows if len(row) == 3}

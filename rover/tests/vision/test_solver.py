@@ -114,6 +114,8 @@ def doubts(calibration: Calibration) -> str:
     return "\n".join(f"{one.verdict.value}: {one.text}" for one in calibration.judgement.doubts)
 
 
+@pytest.mark.opencv
+@pytest.mark.slow
 def test_good_views_give_a_good_calibration() -> None:
     """There is nothing to complain about. Parts of the image without corners are named: the lens is unknown there."""
     found = calibrate(views(CAMERA, 20, 3), BOARD)

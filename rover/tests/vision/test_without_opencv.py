@@ -83,8 +83,8 @@ _BROKEN = "aruco           cannot be loaded: import of roverkit.aruco.board_opti
     [
         ("--help", _NO_EXTRA, 0, "aruco           track ArUco markers"),
         ("aruco --help", _NO_EXTRA, 0, "usage: roverlink aruco"),
-        ("aruco track --help", _NO_EXTRA, 0, "usage: roverlink aruco track"),
-        ("video send --help", _NO_EXTRA, 0, "usage: roverlink video send"),
+        pytest.param("aruco track --help", _NO_EXTRA, 0, "usage: roverlink aruco track", marks=pytest.mark.slow),
+        pytest.param("video send --help", _NO_EXTRA, 0, "usage: roverlink video send", marks=pytest.mark.slow),
         ("--help", "roverkit.aruco.board_options", 0, _BROKEN),
         ("aruco track 0", "roverkit.aruco.board_options", 2, " ".join(_BROKEN.split())),
     ],
