@@ -262,7 +262,7 @@ def _is_local(
     variance = np.array([outcome.variance()[row] for outcome, row in last])
     enough = pixels.real[chosen].sum(axis=1) >= _PIXELS * _rigid_unknowns(LOCAL)
     explained = np.einsum("kt,kt->k", solution, right[..., 0]) / variance
-    local: NDArray[np.bool_] = enough & (explained > chi2_limit(terms.shape[1]))
+    local: NDArray[np.bool_] = enough & (explained > gate_limit(terms.shape[1]))
     return local
 
 
