@@ -24,12 +24,13 @@ from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.client import BlockingPeer, ClosedError, Peer, UnansweredError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import RowRequest
+from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.core.repeater import LARGEST_NUMBER, Fate, Repeater, Responses, lifetime
 
-_REGISTRY = asking_registry()
-_FIND, _FOUND, _MEASURE, _GRIP, _GRIPPED, _LIGHT, _LIT = (
-    _REGISTRY.by_name[name] for name in ("find", "found", "measure", "grip", "gripped", "light", "lit")
-)
+
+def _row(name: str) -> AnyHandler:
+    return asking_registry().by_name[name]
+
 
 # --- the machines, without threads and clocks -------------------------------------------------------------------
 
@@ -129,26 +130,26 @@ def test_numbers_wrap_and_memory_has_a_bound() -> None:
 @pytest.fixture
 def rig() -> Iterator[Rig]:
     """A bridge of the table with requests."""
-    with Rig(_REGISTRY) as rig:
+    with Rig(asking_registry()) as rig:
         yield rig
 
 
 def _datagram(**payload: Any) -> bytes:
-    return bytes(_REGISTRY.envelope(**payload).SerializeToString())
+    return bytes(asking_registry().envelope(**payload).SerializeToString())
 
 
 def _answer_on_topic(rig: Rig) -> list[int]:
     """A node that finds what it is asked for, and keeps what it was asked."""
     asked: list[int] = []
-    publisher = rig.node.publisher("/found", _FOUND.message_type, Qos())
+    publisher = rig.node.publisher("/found", _row("found").message_type, Qos())
 
     def find(messages: Sequence[bytes]) -> None:
         for message in messages:
-            request = _FIND.from_cdr(message)
+            request = _row("find").from_cdr(message)
             asked.append(request.what)
-            publisher.publish([_FOUND.to_cdr(_FOUND.payload_type(id=request.id, x=request.what / 2))])
+            publisher.publish([_row("found").to_cdr(_row("found").payload_type(id=request.id, x=request.what / 2))])
 
-    rig.node.subscribe("/find", _FIND.message_type, Qos(), find)
+    rig.node.subscribe("/find", _row("find").message_type, Qos(), find)
     return asked
 
 
@@ -167,7 +168,7 @@ def test_a_repeated_request_gets_the_stored_response(rig: Rig) -> None:
 
 def test_a_service_is_called_instead_of_the_topic(rig: Rig, caplog: pytest.LogCaptureFixture) -> None:
     """An error of the service, and a service that is not there, let the next repetition try again."""
-    service = _MEASURE.route.request.service
+    service = _row("measure").route.request.service
     request = _datagram(measure={"id": -5, "x": 3})
     rig.receive(request)
     assert rig.account.dropped == Counter(not_published=1)
@@ -192,7 +193,9 @@ def test_a_service_is_called_instead_of_the_topic(rig: Rig, caplog: pytest.LogCa
 
 def _call(rig: Rig, name: str, **values: Any) -> list[Any]:
     """Call a service; the list gets the response."""
-    service = next(one.route.request.service for one in (_GRIP, _LIGHT) if one.route.request.service.name == name)
+    service = next(
+        one.route.request.service for one in (_row("grip"), _row("light")) if one.route.request.service.name == name
+    )
     responses: list[Any] = []
     client = rig.node.client(f"/{name}", service)
     assert client.call(
@@ -206,7 +209,7 @@ def test_a_call_gets_the_response_of_the_peer_once(rig: Rig) -> None:
     responses = _call(rig, "grip", force=0.5)
     first, second = rig.arrived("board", 2)[:2]
     assert first == second
-    number = _REGISTRY.envelope.FromString(first).grip.id
+    number = asking_registry().envelope.FromString(first).grip.id
     answer = _datagram(gripped={"id": number, "force": 0.25})
     rig.receive(answer, answer, _datagram(gripped={"id": number + 1}))
     assert [(one.error, one.force) for one in responses] == [("", 0.25)]
@@ -214,7 +217,7 @@ def test_a_call_gets_the_response_of_the_peer_once(rig: Rig) -> None:
     assert rig.account.dropped == Counter(repeated=1)
     assert rig.account.sent["grip"] == 1
     wait_until(lambda: rig.account.repeated["grip"], "the count of the second one")
-    rig.publish("grip", _GRIP.payload_type(id=1, force=9))  # a message of the topic is sent once, as it is
+    rig.publish("grip", _row("grip").payload_type(id=1, force=9))  # a message of the topic is sent once, as it is
     assert _datagram(grip={"id": 1, "force": 9}) in rig.arrived("board", 1)
 
 
@@ -244,8 +247,8 @@ def test_a_call_does_not_wait_for_a_peer_of_another_schema(rig: Rig) -> None:
 
 def test_calls_end_with_the_bridge() -> None:
     """A call that waits, and one that comes later, get an error; nothing remains unanswered."""
-    patient = dataclasses.replace(_LIGHT.route.request, timeout_ms=3_600_000)
-    with Rig(changed(_REGISTRY, "light", request=patient)) as rig:
+    patient = dataclasses.replace(_row("light").route.request, timeout_ms=3_600_000)
+    with Rig(changed(asking_registry(), "light", request=patient)) as rig:
         first, queued = _call(rig, "switch_light", on=True), _call(rig, "switch_light", on=True)
     late = _call(rig, "switch_light", on=True)
     assert [one.error for calls in (first, queued, late) for one in calls] == ["the bridge stops"] * 3
@@ -263,12 +266,12 @@ def _behind_a_bad_link(rig: Rig, name: str, loss: float) -> Iterator[tuple[int, 
     with contextlib.ExitStack() as stack:
         there = stack.enter_context(Relay(listener(), ("127.0.0.1", rig.bridge.port), 1, loss, 0.1, 0.002))
         back = stack.enter_context(Relay(listener(), ("127.0.0.1", local), 2, loss, 0.1, 0.002))
-        rig.live.change({_REGISTRY.peers_by_name[name].port_parameter: back.address[1]})
+        rig.live.change({asking_registry().peers_by_name[name].port_parameter: back.address[1]})
         yield there.address[1], local
 
 
 def _opened(kind: Any, name: str, ports: tuple[int, int]) -> Any:
-    return kind.open(name, registry=_REGISTRY, port=ports[0], local_address="127.0.0.1", local_port=ports[1])
+    return kind.open(name, registry=asking_registry(), port=ports[0], local_address="127.0.0.1", local_port=ports[1])
 
 
 @pytest.mark.parametrize("count", [50, pytest.param(1000, marks=pytest.mark.slow)])
@@ -278,7 +281,7 @@ def test_requests_of_a_client_over_a_bad_link(rig: Rig, count: int) -> None:
 
     async def ask_all(ports: tuple[int, int]) -> list[Any]:
         async with _opened(Peer, "base", ports) as peer:
-            requests = [peer.request(_FIND.payload_type(what=number)) for number in range(count)]
+            requests = [peer.request(_row("find").payload_type(what=number)) for number in range(count)]
             return await asyncio.wait_for(asyncio.gather(*requests, return_exceptions=True), PATIENCE_S)
 
     with _behind_a_bad_link(rig, "base", 0.3) as ports:
@@ -302,7 +305,7 @@ def test_calls_of_a_service_over_a_bad_link(rig: Rig, count: int) -> None:
             async def carry_out() -> None:
                 async for _, payload in peer:
                     done.append(payload.force)
-                    peer.send(_GRIPPED.payload_type(id=payload.id, force=payload.force))
+                    peer.send(_row("gripped").payload_type(id=payload.id, force=payload.force))
 
             task = asyncio.create_task(carry_out())
             while not all(calls):
@@ -323,33 +326,38 @@ def test_calls_of_a_service_over_a_bad_link(rig: Rig, count: int) -> None:
 def test_a_program_without_asyncio_asks(rig: Rig) -> None:
     """It gets the response, and other payloads stay for `receive`; mistakes and silence are errors."""
     _answer_on_topic(rig)
-    hasty = changed(_REGISTRY, "measure", request=dataclasses.replace(_MEASURE.route.request, attempts=2))
+    hasty = changed(
+        asking_registry(), "measure", request=dataclasses.replace(_row("measure").route.request, attempts=2)
+    )
     with BlockingPeer.open("base", registry=hasty, port=rig.bridge.port, local_port=0) as peer:
-        rig.live.change({_REGISTRY.peers_by_name["base"].port_parameter: peer.port})
-        rig.publish("measured", _REGISTRY.by_name["measured"].payload_type(length=1))
-        assert peer.request(_FIND.payload_type(what=5)).x == 2.5
-        assert peer.receive(_REGISTRY.by_name["measured"].payload_type, PATIENCE_S).length == 1
+        rig.live.change({asking_registry().peers_by_name["base"].port_parameter: peer.port})
+        rig.publish("measured", _row("measured").payload_type(length=1))
+        assert peer.request(_row("find").payload_type(what=5)).x == 2.5
+        assert peer.receive(_row("measured").payload_type, PATIENCE_S).length == 1
         with pytest.raises(UnansweredError, match="no response to measure, which was sent 2 times"):
-            peer.request(_MEASURE.payload_type(x=1))
+            peer.request(_row("measure").payload_type(x=1))
     with pytest.raises(ClosedError):
-        peer.request(_FIND.payload_type())
-    with BlockingPeer.open("board", registry=_REGISTRY, local_port=0) as board, pytest.raises(SetupError, match="lit"):
-        board.request(_LIT.payload_type())
+        peer.request(_row("find").payload_type())
+    with (
+        BlockingPeer.open("board", registry=asking_registry(), local_port=0) as board,
+        pytest.raises(SetupError, match="lit"),
+    ):
+        board.request(_row("lit").payload_type())
 
 
 def test_a_request_ends_with_its_task_or_its_peer() -> None:
     """A cancelled request is not sent any more, and closing the peer ends the others with an error."""
 
     async def run(sock: Any) -> None:
-        async with Peer.open("base", registry=_REGISTRY, port=port_of(sock), local_port=0) as peer:
-            first, second = (asyncio.create_task(peer.request(_FIND.payload_type(what=one))) for one in (1, 2))
+        async with Peer.open("base", registry=asking_registry(), port=port_of(sock), local_port=0) as peer:
+            first, second = (asyncio.create_task(peer.request(_row("find").payload_type(what=one))) for one in (1, 2))
             await asyncio.sleep(0)
             first.cancel()
             await asyncio.wait([first])
             waiting(sock)
             loop = asyncio.get_running_loop()
             again = [await loop.run_in_executor(None, sock.recv, 100) for _ in range(3)]
-        assert [_REGISTRY.envelope.FromString(one).find.what for one in again] == [2, 2, 2]
+        assert [asking_registry().envelope.FromString(one).find.what for one in again] == [2, 2, 2]
         with pytest.raises(ClosedError, match="base was closed before the response came"):
             await second
 
