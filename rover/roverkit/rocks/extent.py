@@ -1,14 +1,18 @@
 """Extent of a segment of a depth image along a line and across it: what is seen, and how far the rock may go on.
 
 Seen from above, a rock reaches at least as far back as the surface that is seen, and at most as far as the rays over
-its upper edge, where they meet the ground. The same holds for the ends of the line: the depth around them says how high
-they are at most, and so where they are at least.
+its upper edge, where they meet the ground.
+
+An end of the line may be above the ground, and then the ray meets the ground behind it. The surface around an end says
+how high it is: if the end is at the camera's side of the rock, or on its outline. Elsewhere, the surface hides an end
+that is on the ground behind it.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +24,13 @@ from roverkit.vision.camera.camera_model import Floats
 
 _REACH, _REACH_PX = 0.15, 5.0
 """Largest distance of the rock from an end of the line: as a fraction of the line's length, and in pixels."""
-_AT_END = 12  # pixels whose median depth is that of an end
+_AROUND, _AROUND_PX = 0.12, 6.0
+"""Radius of the circle around an end whose surface says how high it is: as a fraction of the length, and in pixels."""
+_LEAST_POINTS = 6  # in this circle
+_ON_OUTLINE, _INSIDE = 0.2, 0.5
+"""Shares of the circle that the rock takes, up to which the end is on its outline, and from which it is hidden."""
+_VISIBLE, _HIDDEN = 0.7, 0.1
+"""Standard deviations of the length: as fractions of what the height of a visible and of a hidden end changes."""
 _BEYOND = 0.12
 """Part of the line's length by which the rock may reach beyond an end of the line."""
 _SHORT = 0.35
@@ -36,12 +46,21 @@ _RISE = 0.12  # part of the rock's height: a smaller rise is a rough surface
 _GAP = 0.1  # part of the length: a larger gap is between two rocks
 
 
+class Measured(NamedTuple):
+    """Value with its standard deviation."""
+
+    value: float
+    sigma: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Extent:
-    """Least and largest size of a rock in metres, as seen from above, if the depth is exact."""
+    """Size of a rock in metres, as seen from above, without an assumption about its shape."""
 
-    length: tuple[float, float]
+    length: Measured
+    """Distance of the line's ends; sigma is that of their heights alone."""
     width: tuple[float, float]
+    """Least and largest width, if the depth is exact."""
     own: NDArray[np.bool_]
     """Mask (N,) of the segment's pixels; the other ones are of rocks that touch this one."""
     alone: bool
@@ -72,16 +91,16 @@ def extent_of(segment: Segment, ground: Ground, ends: Floats, rays: Floats, imag
         )
     if ((segment.pixels[own] < _BORDER) | (segment.pixels[own] >= np.array(image) - _BORDER)).any():
         raise UnmeasurableError(Unmeasurable.CUT_OFF, "the rock reaches the border of the image; show all of it")
+    span = float(np.linalg.norm(ends[1] - ends[0]))
     # A low end begins to stand out at a distance from the true end, which is at most twice this height.
-    low = 2 * segment.lowest * float(np.linalg.norm(ends[1] - ends[0])) / length
-    reach = max(_REACH * float(np.linalg.norm(ends[1] - ends[0])), _REACH_PX, low)
-    nearest = np.stack([ray * _depth_at(end, segment, reach) for end, ray in zip(ends, rays)])
+    reach = max(_REACH * span, _REACH_PX, 2 * segment.lowest * span / length)
+    shown = [_surface_at(end, segment.pixels[own], heights[own], span, reach) for end in ends]
     begin, end = (float(value) for value in np.quantile(x[own], (_OUTLIERS, 1 - _OUTLIERS)))
     front, back = (float(value) for value in np.quantile(y[own], (_OUTLIERS, 1 - _OUTLIERS)))
     _check(begin, end, back - front, length)
     behind = float(np.max(np.nan_to_num(shadow[own] @ across, nan=np.inf)))
     return Extent(
-        (min(_between(ground, nearest)[0], length), length),
+        _length(ground, farthest, np.array(shown)),
         (back - front, max(min(behind, far), back) - front),
         own,
         math.isinf(near) and math.isinf(far),
@@ -96,15 +115,44 @@ def _between(ground: Ground, ends: Floats) -> tuple[float, Floats]:
     return length, way / max(length, 1e-9)
 
 
-def _depth_at(end: Floats, segment: Segment, reach: float) -> float:
-    """Return the depth of the rock at an end of the line. Raises `UnmeasurableError` if the rock is not there."""
-    apart = np.linalg.norm(segment.pixels - end, axis=1)
-    near = np.argsort(apart)[:_AT_END]
-    near = near[apart[near] <= reach]
-    if not near.size:
+def _surface_at(
+    end: Floats, pixels: NDArray[np.intp], heights: Floats, span: float, reach: float
+) -> tuple[float, float]:
+    """Return the height in metres of the rock's surface at an end, and the share of a circle around it that shows rock.
+
+    The height is that of a plane through the heights (N,) at the rock's pixels (N, 2) in the circle. Raises
+    `UnmeasurableError` if the rock is not there.
+    """
+    apart = np.linalg.norm(pixels - end, axis=1)
+    if (nearest := float(np.min(apart))) > reach:
         x, y = end
-        raise _mismatch(f"the end ({x:g}, {y:g}) of the line is {float(np.min(apart)):.0f} px from the rock")
-    return float(np.median(segment.depth[near]))
+        raise _mismatch(f"the end ({x:g}, {y:g}) of the line is {nearest:.0f} px from the rock")
+    radius = max(_AROUND * span, _AROUND_PX)
+    near = apart < radius
+    count = int(np.count_nonzero(near))
+    if count < _LEAST_POINTS:
+        return 0.0, 0.0
+    weights = np.exp(-((apart[near] / radius) ** 2))[:, None]
+    plane = np.append(pixels[near] - end, np.ones((count, 1)), axis=1)
+    coefficients, *_ = np.linalg.lstsq(plane * weights, heights[near] * weights[:, 0], rcond=None)
+    return max(float(coefficients[2]), 0.0), count / (math.pi * radius**2)
+
+
+def _length(ground: Ground, farthest: Floats, shown: Floats) -> Measured:
+    """Return the distance of the line's ends.
+
+    ``farthest`` (2, 3) is where their rays meet the ground, and ``shown`` has the height at each, and the share of rock
+    around it.
+    """
+    heights, shares = shown.T
+    longest, _ = _between(ground, farthest)
+    lifted = farthest * (1 - heights / ground.height)[:, None]  # towards the camera
+    one_lifted = np.stack([lifted[0], farthest[1]]), np.stack([farthest[0], lifted[1]])
+    effects = np.array([_between(ground, ends)[0] for ends in one_lifted]) - longest
+    # To lift an end at the camera's side makes the line longer.
+    visible = np.where(effects > 0, 1.0, np.clip((_INSIDE - shares) / (_INSIDE - _ON_OUTLINE), 0, 1))
+    length, _ = _between(ground, farthest + visible[:, None] * (lifted - farthest))
+    return Measured(length, float(np.linalg.norm(effects * np.hypot(_VISIBLE * visible, _HIDDEN * (1 - visible)))))
 
 
 def _check(begin: float, end: float, width: float, length: float) -> None:

@@ -108,7 +108,8 @@ def measure(depth: NDArray[np.floating[Any]], camera: CameraParameters, line: Li
     if ellipsoid is None:
         raise _no_rock()
     pixel = float(np.linalg.norm(ground_ends.mean(axis=0)) / camera.focal.mean())
-    length, width = length_of(ellipsoid, extent, pixel), width_of(ellipsoid, extent, pixel)
+    length = length_of(ellipsoid, extent, pixel)
+    width = width_of(ellipsoid, extent, length.value, pixel)
     near = patch.distances <= max(_OUTER * span, _LEAST_OUTER)
     return RockSize(*length, *width, ground, float(has_depth[near].mean()))
 
