@@ -215,6 +215,7 @@ def _colcon(folder: Path, environment: Mapping[str, str], *options: str) -> bool
     kept = {name: environment[name] for name in ("HOME", "LANG", "TERM", *_OF_ROS) if name in environment}
     command = ["/usr/bin/colcon", "--log-base", "log", "build", "--base-paths", str(folder), *options]
     command += ["--cmake-args", f"-DPython3_EXECUTABLE={_SYSTEM_PYTHON}", "--no-warn-unused-cli"]
+    command += [f"-DAMENT_CMAKE_SYMLINK_INSTALL={int('--symlink-install' in options)}"]  # colcon leaves an old one on
     # Otherwise colcon lets make wait while the machine is busy.
     kept |= {"PATH": _path(), "MAKEFLAGS": f"-j{os.cpu_count()}"}
     return subprocess.run(command, cwd=_WORKSPACE, env=kept).returncode == 0
@@ -275,8 +276,8 @@ def _does_not_stand_alone(folder: Path, package: Path) -> Iterator[str]:
     built.rename(moved)
     place = moved / REGISTRY.package
     for path in (*place.glob("lib/*/**/*"), *place.glob("share/*/launch/*"), *place.glob("share/*/config/*")):
-        if path.is_file() and os.fsencode(ROOT) in path.read_bytes():
-            yield f"{path} contains the path of the project"
+        if path.is_symlink() or (path.is_file() and os.fsencode(ROOT) in path.read_bytes()):
+            yield f"{path} contains the path of the project, or leads to it"
     # Nothing of this environment: neither its Python nor its variables.
     yield from _does_not_run({**_sourced(moved), "PATH": _path(), "HOME": str(moved)}, native=True)
 
