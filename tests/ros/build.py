@@ -21,7 +21,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -74,7 +74,7 @@ def main() -> int:
     (sources / _NAVIGATION).symlink_to(ROOT / "rover" / "navigation")
     if not _SOURCED:
         _write_node(sources, _write_standards(sources, _interfaces(package)))
-    if not _colcon("--symlink-install"):
+    if not _colcon(sources, os.environ, "--symlink-install"):
         return 1
     environment = _sourced(_WORKSPACE / "install")
     ours = {**environment, "PATH": f"{Path(sys.executable).parent}:{environment['PATH']}"}
@@ -210,12 +210,15 @@ def _write_cmake(folder: Path, body: str, languages: str = "") -> None:
 # --- building and using -----------------------------------------------------------------------------------------
 
 
-def _colcon(*options: str) -> bool:
-    """Build the workspace; whether that worked. Without our environment, whose Python has none of rosidl's modules."""
-    kept = {name: os.environ[name] for name in ("HOME", "LANG", "TERM", *_OF_ROS) if name in os.environ}
-    command = ["/usr/bin/colcon", "--log-base", "log", "build", "--base-paths", "src", *options]
+def _colcon(folder: Path, environment: Mapping[str, str], *options: str) -> bool:
+    """Build the packages in a folder; whether that worked. Without our Python, which has none of rosidl's modules."""
+    kept = {name: environment[name] for name in ("HOME", "LANG", "TERM", *_OF_ROS) if name in environment}
+    command = ["/usr/bin/colcon", "--log-base", "log", "build", "--base-paths", str(folder), *options]
     command += ["--cmake-args", f"-DPython3_EXECUTABLE={_SYSTEM_PYTHON}", "--no-warn-unused-cli"]
-    return subprocess.run(command, cwd=_WORKSPACE, env={**kept, "PATH": _path()}).returncode == 0
+    command += [f"-DAMENT_CMAKE_SYMLINK_INSTALL={int('--symlink-install' in options)}"]  # colcon leaves an old one on
+    # Otherwise colcon lets make wait while the machine is busy.
+    kept |= {"PATH": _path(), "MAKEFLAGS": f"-j{os.cpu_count()}"}
+    return subprocess.run(command, cwd=_WORKSPACE, env=kept).returncode == 0
 
 
 def _path() -> str:
@@ -267,14 +270,14 @@ def _does_not_stand_alone(folder: Path, package: Path) -> Iterator[str]:
     built, moved = _WORKSPACE / "alone", _WORKSPACE / "elsewhere"
     for stale in (built, moved):
         shutil.rmtree(stale, ignore_errors=True)
-    if not _colcon("--packages-select", REGISTRY.package, "--install-base", built.name):
+    if not _colcon(folder, _sourced(_WORKSPACE / "install"), "--install-base", built.name):
         yield "the package with a vendored runtime does not build"
         return
     built.rename(moved)
     place = moved / REGISTRY.package
     for path in (*place.glob("lib/*/**/*"), *place.glob("share/*/launch/*"), *place.glob("share/*/config/*")):
-        if path.is_file() and os.fsencode(ROOT) in path.read_bytes():
-            yield f"{path} contains the path of the project"
+        if path.is_symlink() or (path.is_file() and os.fsencode(ROOT) in path.read_bytes()):
+            yield f"{path} contains the path of the project, or leads to it"
     # Nothing of this environment: neither its Python nor its variables.
     yield from _does_not_run({**_sourced(moved), "PATH": _path(), "HOME": str(moved)}, native=True)
 

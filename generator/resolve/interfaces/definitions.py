@@ -86,7 +86,8 @@ def _is_of(line: str, distribution: str) -> bool:
 
 
 def _listed(marks: str) -> str:
-    return " and ".join(mark.removeprefix("@").capitalize() for mark in marks.split())
+    *others, last = (mark.removeprefix("@").capitalize() for mark in marks.split())
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _field(line: str) -> InterfaceField:
