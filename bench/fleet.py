@@ -98,7 +98,9 @@ def _measure(middleware: str, rovers: int, seconds: float) -> Sequence[str]:
     os.environ |= {
         "CYCLONEDDS_URI": _CYCLONE,
         "ROS_DISTRO": "jazzy",
-        "ZENOH_CONFIG_OVERRIDE": f'mode="client";connect/endpoints=["{endpoint}"]',
+        # All rovers start at once on the cores of one computer, so that it takes long to connect.
+        "ZENOH_CONFIG_OVERRIDE": f'mode="client";connect/endpoints=["{endpoint}"];connect/timeout_ms=60000;'
+        "transport/unicast/open_timeout=20000",
     }
     fleet = Fleet(_FORK.Event(), _FORK.Event(), _FORK.Event(), _FORK.Semaphore(0), _FORK.Queue())
     processes = [_FORK.Process(target=_rover, args=(one, middleware, fleet), daemon=True) for one in range(rovers)]
