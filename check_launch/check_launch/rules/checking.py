@@ -129,8 +129,10 @@ class Checker:
             except UnreadableFileError as error:
                 checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
         # A file for several nodes may serve those of several launch files.
-        found = (one for one in checked.findings if one.span not in checked.used or one.rule not in _OF_ONE_NODE)
-        checked.findings = [_of_included(finding, launch_files) for finding in found]
+        kept = [one for one in checked.findings if one.span not in checked.used or one.rule not in _OF_ONE_NODE]
+        of_others = sections.of_others
+        kept = [as_hint(one) if one.span in of_others and one.rule in _OF_ONE_NODE else one for one in kept]
+        checked.findings = [_of_included(finding, launch_files) for finding in kept]
         checked.evaluated = sum(str(path.resolve()) in evaluated for path in launch_files)
         checked.launch_files, checked.parameter_files = len(launch_files), len(parameter_files)
         checked.read = len(sections.read_files & set(parameter_files))
