@@ -363,7 +363,7 @@ def _node(package: str, executable: str, **options: str) -> str:
     return f"  - node: {{pkg: {package}, exec: {executable}{more}}}\n"
 
 
-_PYTHON = """
+_ACTIONS = """
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
 from launch_ros.actions import LoadComposableNodes, Node
@@ -496,22 +496,26 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         ["error LCH103 did you mean 'name'?"],
     ),
     "a keyword argument that no declaration has": (
-        _PYTHON % "DeclareLaunchArgument('a', default='1')",
+        _ACTIONS % "DeclareLaunchArgument('a', default='1')",
         "",
         ["error LCH103 did you mean 'default_value'?"],
     ),
     "arguments of a launch file that are no pairs": (
-        _PYTHON % "IncludeLaunchDescription('a.launch.py', launch_arguments={'a': '1'})",
+        _ACTIONS % "IncludeLaunchDescription('a.launch.py', launch_arguments={'a': '1'})",
         "",
         ["fatal LCH101"],
     ),
-    "parameters that are no list": (_PYTHON % "Node(package='a', executable='b', parameters={})", "", ["fatal LCH101"]),
+    "parameters that are no list": (
+        _ACTIONS % "Node(package='a', executable='b', parameters={})",
+        "",
+        ["fatal LCH101"],
+    ),
     "a number as a word of a command line": (
-        _PYTHON % "Node(package='a', executable='b', arguments=[0])",
+        _ACTIONS % "Node(package='a', executable='b', arguments=[0])",
         "",
         ["fatal LCH101"],
     ),
-    "a list in place of an action": (_PYTHON % "[Node(package='a', executable='b')]", "", ["fatal LCH101"]),
+    "a list in place of an action": (_ACTIONS % "[Node(package='a', executable='b')]", "", ["fatal LCH101"]),
     "a name that ROS 2 refuses": (
         _node("rviz2", "rviz2", name="my-rviz", param=""),
         "",
@@ -533,7 +537,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         ["hint LCH106", "error PAR103 write [1.0, 0.5]"],
     ),
     "a file without sections for a node in a container": (
-        _PYTHON % "LoadComposableNodes(target_container='c', composable_node_descriptions=[ComposableNode("
+        _ACTIONS % "LoadComposableNodes(target_container='c', composable_node_descriptions=[ComposableNode("
         "package='nav2_amcl', plugin='nav2_amcl::AmclNode', name='amcl', parameters=['p.yaml'])])",
         "alpha1: &a [0.2, 1]\n",
         ["error PAR103"],
@@ -543,7 +547,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "      args: --ros-args -r __node:=ekf -p frequncy:=1.0\n"
         "      param: [{from: $(dirname)/p.yaml}]\n",
         _parameters("ekf_filter_node", "frequency: 30.0"),
-        ["warning PAR105 did you mean 'ekf'?", "warning PAR101 did you mean 'frequency'?"],
+        ["warning PAR101 did you mean 'frequency'?", "warning PAR105 did you mean 'ekf'?"],
     ),
     "a value that only the code names": (
         "",

@@ -67,7 +67,11 @@ _HARMLESS = frozenset(
     | set(_DECLARING)
 )
 """Functions and classes that declare no parameters of a node."""
-_OPEN = re.compile(r"\b(?:automatically_declare_parameters_from_overrides|allow_undeclared_parameters)\s*\(\s*true")
+_OPEN = re.compile(
+    r"\b(?:automatically_declare_parameters_from_overrides|allow_undeclared_parameters)\s*\(\s*true"
+    r"|\bdeclare_parameters\s*\("
+)
+"""What declares parameters whose names no literal says."""
 _LARGEST = 1 << 20  # bytes of a C++ file; larger ones are data
 _PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 _SCALAR = re.compile(r"^\{\w+\}$")

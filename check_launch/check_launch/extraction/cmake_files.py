@@ -110,7 +110,7 @@ class _Build:
             text = path.read_text(encoding="utf-8", errors="replace")
             main = text[max(0, text.find("main(")) :]
             words = [self._short[word] for word in re.findall(r"\b(\w+)\s+\w+\s*[({;]", main) if word in self._short]
-            made = [*_MADE.findall(main), *_MADE.findall(text), *words]
+            made: list[str] = [*_MADE.findall(main), *_MADE.findall(text), *words]
             if made:
                 return next((name for name in made if name.rpartition("::")[2] in self._nodes), made[0])
         return ""

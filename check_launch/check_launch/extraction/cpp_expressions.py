@@ -300,8 +300,8 @@ def first_values(texts: Sequence[str], name: str) -> str | None:
 def declared_type(texts: Sequence[str], name: str) -> str | None:
     """Return the C++ type with which a member is declared."""
     pattern = re.compile(
-        rf"(?:^|[;{{}}:\n])\s*{_QUALIFIERS}((?:std::)?[\w:]+(?: int| char)?(?:<[\w:, ]+>)?)\s+{re.escape(name)}"
-        rf"\s*(?:[;={{]|\([^)]*\)\s*;)"
+        rf"(?:^|[;{{}}:\n])\s*{_QUALIFIERS}((?:std::)?[\w:]+(?: int| char)?(?:<[\w:, ]+>)?)\s+"
+        rf"(?:\w+\s*,\s*)*{re.escape(name)}\s*(?:[;={{,]|\([^)]*\)\s*;)"
     )
     for text in texts:
         start = text.find(name)

@@ -21,10 +21,12 @@ from check_launch.expansion.source_trees import source_folders
 from check_launch.misspellings import did_you_mean, misspelt
 from check_launch.rules.frame_findings import frame_findings
 from check_launch.rules.launch_rules import (
+    MisplacedParameter,
     MisspeltPackage,
     NotExpanded,
     TopicFromOutside,
     UndeclaredArgument,
+    UnknownParameter,
     UnreadableLaunchFile,
     as_hint,
 )
@@ -35,9 +37,10 @@ from check_launch.rules.system import System, Variants, system_of
 from check_launch.rules.topic_findings import ends_of, topic_findings, used_remappings
 from roverlink import bounded_files
 from roverlink.console import counted
-from roverlink.generator.diagnostics import Diagnostic, Severity, in_order
+from roverlink.generator.diagnostics import Diagnostic, Severity, Span, in_order
 
 LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
+_OF_ONE_NODE = (UnknownParameter, MisplacedParameter)
 _COMPLETE = re.compile(r"^[ \t]*(?:#|<!--)[ \t]*check-launch: complete\b", re.MULTILINE)
 """Comment in a launch file that starts everything."""
 
@@ -52,6 +55,8 @@ class Checked:
     launch_files: int = 0
     evaluated: int = 0
     """Launch files that were evaluated to their end."""
+    used: set[Span] = field(default_factory=set)
+    """Places of parameters that a node of a launch file has."""
     parameter_files: int = 0
     read: int = 0
     """Parameter files with a section of a node that the catalogue knows."""
@@ -123,7 +128,11 @@ class Checker:
                 pass  # a file with another meaning: no launch file gives it to a node
             except UnreadableFileError as error:
                 checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
-        checked.findings = [_of_included(finding, launch_files) for finding in checked.findings]
+        # A file for several nodes may serve those of several launch files.
+        kept = [one for one in checked.findings if one.span not in checked.used or one.rule not in _OF_ONE_NODE]
+        of_others = sections.of_others
+        kept = [as_hint(one) if one.span in of_others and one.rule in _OF_ONE_NODE else one for one in kept]
+        checked.findings = [_of_included(finding, launch_files) for finding in kept]
         checked.evaluated = sum(str(path.resolve()) in evaluated for path in launch_files)
         checked.launch_files, checked.parameter_files = len(launch_files), len(parameter_files)
         checked.read = len(sections.read_files & set(parameter_files))
@@ -170,6 +179,7 @@ class Checker:
             frozenset().union(*map(used_remappings, systems)),
             frozenset().union(*map(ends_of, systems)),
         )
+        checked.used |= {place for _, place in variants.parameters}
         complete = self._complete or _COMPLETE.search(text_of_file(path, shown_path(str(path)))) is not None
         known: set[tuple[object, ...]] = set()
         for expanded, system in zip(expansions, systems, strict=True):

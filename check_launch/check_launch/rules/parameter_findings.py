@@ -63,8 +63,11 @@ _CORE = re.compile(r"--([A-Za-z0-9]+/[A-Za-z0-9]+)(?:=.*)?$")
 
 
 def used_parameters(system: System) -> set[Use]:
-    """Return the parameters that at least one node has."""
+    """Return the parameters that at least one node has, or may have because nothing is known about it."""
+    unknown = (node for node in system.nodes if node.view is None)
     return {
+        (given.name, given.place) for node in unknown for _, section in node.sections for given in section.values
+    } | {
         (given.name, given.place)
         for node in system.nodes
         if node.view is not None

@@ -40,6 +40,8 @@ class Sections:
         self._classes = _by_name(catalogue)
         self._loaded: dict[tuple[str, str, Span], _Loaded] = {}
         self._reading: set[tuple[Span, str, str]] = set()
+        self.of_others: set[Span] = set()
+        """Places of parameters for all nodes in sections of which a node has less than half: they serve other nodes."""
         self.read_files: set[str] = set()
         """Files with a section that a known node reads."""
 
@@ -57,6 +59,8 @@ class Sections:
                     key = (use.shown, section.pattern, section.place)
                     loaded = self._loaded.setdefault(key, _Loaded(section))
                     loaded.nodes.setdefault((node.started.place, node.full_name), node)
+                    if section.node_name == "**" and node.facts and self._fits(section.values, node.facts) < _ENOUGH:
+                        self.of_others |= {given.place for given in section.values}
                     if (section.pattern, section.place) in read:
                         loaded.is_read = True
                         if node.facts is not None:
