@@ -682,7 +682,7 @@ def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.Ca
         }
     )
     assert main(["check-launch", "."]) == 0
-    assert capsys.readouterr().out.endswith("1 of 2 launch files evaluated, 1 of 1 parameter files not checked.\n")
+    assert capsys.readouterr().out.endswith("1 of 2 launch files evaluated, 1 of 1 parameter file not checked.\n")
 
 
 def test_a_launch_file_beside_a_parameter_file_says_which_node_reads_it(write: Write, check: Check) -> None:

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import rclpy.parameter
 import yaml
 from judge import Bridge, Judge, interface, parameters
 from polling import wait_until
+from rclpy import parameter as rclpy_parameter
 from rclpy.parameter import parameter_value_to_python
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
@@ -125,9 +125,9 @@ def test_a_dumped_file_starts_a_bridge_with_the_same_parameters(judge: Judge, br
     bridge("--params-file", str(file), "-p", "listen_port:=0", "-p", "dst_a_port:=6124")
     wait_until(lambda: _get(judge, "dst_a_port") == [6124], "the second bridge")
     assert _get(judge, "max_datagram", "source_policy") == [1000, "any"]
-    if not hasattr(rclpy.parameter, "parameter_dict_from_yaml_file"):
+    if not hasattr(rclpy_parameter, "parameter_dict_from_yaml_file"):
         pytest.skip("rclpy reads such files from Iron on")
-    loaded = rclpy.parameter.parameter_dict_from_yaml_file(str(file), target_nodes=["/udp_forwarder"])
+    loaded = rclpy_parameter.parameter_dict_from_yaml_file(str(file), target_nodes=["/udp_forwarder"])
     results = _call(judge, "set_parameters", parameters=list(loaded.values())).results
     refused = {name for name, result in zip(loaded, results) if not result.successful}
     assert {"listen_port", "listen_address", "max_datagram"} <= refused
