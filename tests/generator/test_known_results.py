@@ -26,7 +26,9 @@ def worked(project: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], tuple
     done: list[str] = []
     for module, name in ((pipeline, "compile_table"), (lint_project, "lint_project")):
         call = getattr(module, name)
-        monkeypatch.setattr(module, name, lambda *given, call=call: (done.append(""), call(*given))[1])
+        monkeypatch.setattr(
+            module, name, lambda *given, call=call, **named: (done.append(""), call(*given, **named))[1]
+        )
 
     def run() -> tuple[list[int], int]:
         done.clear()
