@@ -26,9 +26,12 @@ def worked(project: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], tuple
     done: list[str] = []
     for module, name in ((pipeline, "compile_table"), (lint_project, "lint_project")):
         call = getattr(module, name)
-        monkeypatch.setattr(
-            module, name, lambda *given, call=call, **named: (done.append(""), call(*given, **named))[1]
-        )
+
+        def counted(*given: object, call: Callable[..., object] = call, **named: object) -> object:
+            done.append("")
+            return call(*given, **named)
+
+        monkeypatch.setattr(module, name, counted)
 
     def run() -> tuple[list[int], int]:
         done.clear()
