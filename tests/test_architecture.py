@@ -27,6 +27,7 @@ LINKED = ("generator", "runtime")
 """Folders of the repository that are imported as `roverlink.<folder>`."""
 _ALONE = (
     *("suggestions", "datagram_size", "transport_addresses", "bounded_files", "bounded_yaml", "numerals", "user_cache"),
+    "type_descriptions",
 )
 _FOR_ALL = tuple(f"roverlink/{name}" for name in _ALONE)
 PRODUCTS = ("rover/roverkit", "check_launch/check_launch")
