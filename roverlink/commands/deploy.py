@@ -41,7 +41,7 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print the file."""
     from roverlink.generator.emit.render import render  # here: it imports Jinja, which the help of a command lacks
-    from roverlink.generator.emit.targets.ros2 import NEEDS
+    from roverlink.generator.emit.targets.ros2 import PROTOBUF
 
     project: Path = project_folder(arguments.project)
     package = load_project(project).package
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
         distro=text_at(project / TABLE, "ros", "distro") or _DISTRO,
         prefix=_PREFIX,
         program=f"{_PREFIX}/{package}/lib/{package}/{package}_node",
-        protobuf=NEEDS["python3-protobuf"],
+        requirement=PROTOBUF,
         source=git_source("roverlink") or "SOURCE",
     )
     print(text, end="")

@@ -30,7 +30,7 @@ from roverlink.dds_domain import claim_domain
 ROOT = Path(__file__).parents[2]
 _PROJECT = (
     *("mapping.yaml", "mapping.lock", ".gitignore", "proto", "generated", "docs"),
-    *("generator", "templates", "runtime", "cpp", "roverlink", "rover/docs"),
+    *("generator", "templates", "runtime", "cpp", "native", "roverlink", "rover/docs"),
 )
 _READY = {
     "roverlink run": "UDP port",

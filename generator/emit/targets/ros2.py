@@ -28,6 +28,8 @@ VENDOR = "vendor"
 """Folder of the package with the runtime and the generated Python code, if the table or an option asks for it."""
 NEEDS = {"python3-protobuf": "3.20", "python3-yaml": "6.0"}
 """Oldest versions of the packages that the runtime and the generated code need, by rosdep's keys."""
+PROTOBUF = f"protobuf>={NEEDS['python3-protobuf']},<8"
+"""Requirement for pip of the first of these packages, of which Ubuntu 22.04 has an older version."""
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -78,7 +80,7 @@ def emit(bridge: ir.Bridge) -> Files:
             addresses=_addresses(bridge),
         )
     yield f"{folder}/scripts/{bridge.package}_node.py", render(
-        "node.py.j2", header=comment, protobuf=NEEDS["python3-protobuf"]
+        "node.py.j2", header=comment, protobuf=NEEDS["python3-protobuf"], requirement=PROTOBUF
     )
     yield f"{folder}/config/udp.yaml", render(
         "udp.yaml.j2", header=comment, parameters=_parameters(bridge), addresses=_address_parameters(bridge)

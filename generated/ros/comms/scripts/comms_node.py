@@ -9,9 +9,8 @@ Beside it are the folders project, with the generated code, and runtime, with ro
 import sys
 from pathlib import Path
 
-FOLDER = (
-    Path(__file__).absolute().parent
-)  # not resolved: with --symlink-install, this file is a link
+# Not resolved: with --symlink-install, this file is a link.
+FOLDER = Path(__file__).absolute().parent
 PROTOBUF = "3.20"
 
 
@@ -20,13 +19,13 @@ def main() -> int:
     sys.path.insert(0, str(FOLDER / "runtime"))
     try:
         import google.protobuf
-        import yaml  # noqa: F401  # the first that the bridge imports of it
+        import yaml  # noqa: F401  # the bridge needs it, too
         from roverlink.__main__ import main as roverlink
     except ImportError as error:
         if error.name == "roverlink":
             cure = "activate an environment that has roverlink, or run `roverlink generate --vendor-runtime`"
         else:
-            cure = f"install python3-yaml, and `pip install 'protobuf>={PROTOBUF}'`"
+            cure = "install python3-yaml, and `pip install 'protobuf>=3.20,<8'`"
         print(
             f"{sys.executable} cannot run the bridge ({error}): {cure}", file=sys.stderr
         )
@@ -36,7 +35,7 @@ def main() -> int:
         int(part) for part in PROTOBUF.split(".")
     ]:
         print(
-            f"protobuf {version} is too old: `pip install 'protobuf>={PROTOBUF}'`",
+            f"protobuf {version} is too old: `pip install 'protobuf>=3.20,<8'`",
             file=sys.stderr,
         )
         return 2
