@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 from roverlink.dds_domain import claim_domain
 from roverlink.generator import journal
-from roverlink.numerals import counted as counted
+from roverlink.numerals import counted
 from roverlink.runtime.core.errors import SetupError
 
 N = TypeVar("N", int, float)

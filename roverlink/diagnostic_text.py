@@ -10,11 +10,11 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
-from roverlink.console import counted
 from roverlink.generator import source_files
 from roverlink.generator.diagnostics import Diagnostic, DiagnosticsError, Severity, Span, Use
 from roverlink.generator.git import Commit
 from roverlink.generator.source_files import visible
+from roverlink.numerals import counted
 
 if TYPE_CHECKING:
     from rich.text import Text

@@ -20,11 +20,12 @@ from logging import getLogger
 from pathlib import Path
 
 from roverlink import doctor_link
-from roverlink.console import TABLE, counted, project_folder
+from roverlink.console import TABLE, project_folder
 from roverlink.generated_code import load_project
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.pipeline import compile_table
 from roverlink.installed_packages import EXTRAS, installed_version, with_extras
+from roverlink.numerals import counted
 from roverlink.runtime import MiddlewareError, Registry, RoverlinkError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
@@ -128,8 +129,8 @@ def _table(project: Path) -> Iterator[CheckResult]:
         return
     # A file that today's table does not make may come from an option of `generate`.
     if changed := [change.path for change in changes if change.verb != "removed"]:
-        others = counted(len(changed), "other file")
-        says = f"the generated code is not that of this table ({others}); the bridge uses the code"
+        where = counted(len(changed), "file")
+        says = f"the generated code is not that of this table (a difference in {where}); the bridge uses the code"
         yield CheckResult("warning", TABLE, says, "roverlink generate")
 
 

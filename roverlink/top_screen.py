@@ -12,9 +12,9 @@ from rich.cells import cell_len
 from rich.console import Console, RenderableType
 from rich.text import Text
 
-from roverlink.console import counted
 from roverlink.heard_bridges import DROPPED, QUIET_S, HeardBridge, HeardBridges, full_name, instance, place
 from roverlink.link_judgement import Condition, badness, conditions_of, worst_of
+from roverlink.numerals import counted
 
 _STYLES = {"OK": "green", "WARN": "yellow", "SILENT": "bold red", "ERROR": "bold red", "STOP": "bold red"}
 _STYLES |= {"UNKNOWN": "reverse"}

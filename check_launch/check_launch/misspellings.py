@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from difflib import SequenceMatcher, get_close_matches
 
 _OF_MANY = re.compile(r"\d|(?<![A-Za-z])[xyz](?![A-Za-z])")
-"""What tells similar things apart: a number, or the letter of an axis."""
+"""Part of a name that tells similar things apart: a digit, or the letter of an axis."""
 _TIE = 0.03
 """Names whose similarities differ by less are equally likely."""
 _SHORT = 8

@@ -23,9 +23,9 @@ _COMMENTS = {
     ".css": ("/*", " */"),
     ".html": ("<!--", " -->"),
 }
-"""How a comment starts and ends, by the end of a file's name."""
+"""Start and end of a comment, by the suffix of the file's name."""
 _DATA = (".css", ".html", ".js", ".yaml")
-"""Ends of the names of files beside modules."""
+"""Suffixes of the files beside modules that a bridge reads."""
 
 
 def emit(bridge: ir.Bridge, generated: Mapping[str, str]) -> Files:

@@ -34,7 +34,6 @@ from roverlink.console import (
     OK,
     Subparsers,
     add_project,
-    counted,
     documented_command,
     isolate_ros,
     project_folder,
@@ -43,6 +42,7 @@ from roverlink.console import (
 from roverlink.generated_code import load_project
 from roverlink.generator.example_payloads import payload_at
 from roverlink.installed_packages import entry_points
+from roverlink.numerals import counted
 from roverlink.runtime import Registry
 from roverlink.runtime.client import BlockingPeer, Received
 from roverlink.runtime.core import cdr

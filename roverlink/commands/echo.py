@@ -25,11 +25,11 @@ from roverlink.console import (
     add_middleware,
     add_project,
     count,
-    counted,
     documented_command,
     print_note,
     seconds,
 )
+from roverlink.numerals import counted
 from roverlink.runtime.core import cdr
 from roverlink.runtime.middleware import Endpoint, Middleware, open_middleware
 from roverlink.runtime.middleware.following import matching_qos

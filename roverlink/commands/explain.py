@@ -23,7 +23,7 @@ from functools import cache
 from typing import Any
 
 from roverlink.completion import complete, rows, topics
-from roverlink.console import FINDINGS, OK, Subparsers, add_table, counted, documented_command, table_file
+from roverlink.console import FINDINGS, OK, Subparsers, add_table, documented_command, table_file
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError, Rule, Severity
 from roverlink.generator.lint.rules import lint_rules
@@ -33,6 +33,7 @@ from roverlink.generator.table import Table, key_text
 from roverlink.generator.table.parts import object_of
 from roverlink.generator.table.value_types import Key
 from roverlink.installed_packages import entry_points
+from roverlink.numerals import counted
 from roverlink.runtime.core.errors import SetupError, nearest
 
 RULES = "roverlink.rules"

@@ -17,22 +17,13 @@ import os
 import sys
 from pathlib import Path
 
-from roverlink.console import (
-    FINDINGS,
-    OK,
-    UNABLE,
-    Subparsers,
-    add_table,
-    counted,
-    documented_command,
-    print_note,
-    table_file,
-)
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_table, documented_command, print_note, table_file
 from roverlink.diagnostic_text import Sources, show_error, show_without_hints
 from roverlink.generator.diagnostics import DiagnosticsError, Severity
 from roverlink.generator.emit.writer import Change, compare, write
 from roverlink.generator.known_results import KnownResult
 from roverlink.generator.source_files import visible
+from roverlink.numerals import counted
 from roverlink.runtime.core.errors import SetupError, nearest
 
 

@@ -31,7 +31,6 @@ from roverlink.console import (
     TABLE,
     UNABLE,
     Subparsers,
-    counted,
     documented_command,
     finish_interrupted,
     print_note,
@@ -44,6 +43,7 @@ from roverlink.generator.git import Repository
 from roverlink.generator.new_project import NewProject, new_project
 from roverlink.generator.source_files import repository_top, visible
 from roverlink.installed_packages import git_source
+from roverlink.numerals import counted
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 

@@ -22,11 +22,12 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, counted, documented_command, table_file
+from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, documented_command, table_file
 from roverlink.generator.diagnostics import DiagnosticsError, Severity, shown
 from roverlink.generator.known_results import KnownResult
 from roverlink.generator.ledger_names import ACCEPTED, LEDGER
 from roverlink.lint_scope import add_subject, folder_of, linted, not_empty, reported, type_and_number
+from roverlink.numerals import counted
 from roverlink.progress import progress
 from roverlink.reports import FORMATS, NO_PROBLEMS
 from roverlink.runtime.core.errors import SetupError

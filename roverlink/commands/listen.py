@@ -26,7 +26,6 @@ from roverlink.console import (
     Subparsers,
     add_project,
     count,
-    counted,
     documented_command,
     port,
     print_note,
@@ -34,6 +33,7 @@ from roverlink.console import (
     seconds,
 )
 from roverlink.generated_code import load_project
+from roverlink.numerals import counted
 from roverlink.runtime import DatagramError, Registry, SetupError, Translator
 from roverlink.runtime.core.envelope import payload_numbers, restore
 from roverlink.runtime.net import udp

@@ -32,13 +32,13 @@ from roverlink.console import (
     add_key_file,
     add_middleware,
     add_project,
-    counted,
     documented_command,
     node_logger,
     project_folder,
 )
 from roverlink.generated_code import changed_sources, load_project
 from roverlink.node_log import publish_log
+from roverlink.numerals import counted
 from roverlink.observers import BridgeObservers
 from roverlink.runtime import NODE, Bridge, Registry
 from roverlink.runtime.bridge import service_manager

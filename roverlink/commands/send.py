@@ -21,12 +21,12 @@ from roverlink.console import (
     add_key_file,
     add_project,
     count,
-    counted,
     documented_command,
     project_folder,
     rate,
 )
 from roverlink.generated_code import load_project
+from roverlink.numerals import counted
 from roverlink.runtime import ConversionError, Registry, SetupError
 from roverlink.runtime.client import BlockingPeer
 from roverlink.runtime.core.errors import nearest

@@ -46,7 +46,6 @@ from roverlink.console import (
     add_destination,
     add_key_file,
     add_project,
-    counted,
     documented_command,
     isolate_ros,
     print_note,
@@ -56,6 +55,7 @@ from roverlink.console import (
     seconds,
 )
 from roverlink.generated_code import load_project
+from roverlink.numerals import counted
 from roverlink.runtime import Registry, SetupError, Translator
 from roverlink.runtime.net import udp
 from roverlink.runtime.net.carrier import way_to

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from roverlink.console import counted
 from roverlink.diagnostic_text import Sources
 from roverlink.generator.diagnostics import Diagnostic, Rule
+from roverlink.numerals import counted
 
 if TYPE_CHECKING:  # slow to import: it reads a project's earlier states
     from roverlink.generator.lint.pinned_states import PinnedStates

@@ -11,10 +11,10 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from roverlink.console import counted
 from roverlink.diagnostic_text import show
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity
 from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile, UnreadableProto
+from roverlink.numerals import counted
 from roverlink.reports.reported import Reported
 
 if TYPE_CHECKING:  # slow to import: it reads a project's earlier states

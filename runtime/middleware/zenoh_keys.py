@@ -37,7 +37,7 @@ _UNSET = ",:,:,,"  # deadline, lifespan, liveliness with its lease
 
 @dataclass(frozen=True, slots=True)
 class Entity:
-    """What a token announces: a node, or one of its publishers, subscriptions, services and clients."""
+    """Node, publisher, subscription, service or client that a token announces."""
 
     kind: str
     session: str

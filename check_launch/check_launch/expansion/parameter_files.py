@@ -17,7 +17,7 @@ from roverlink.generator.diagnostics import Span
 
 KEY = "ros__parameters"
 _ALIAS = re.compile(r"(?:^|[\s\[{,:-])\*[\w-]", re.MULTILINE)
-"""What may be an alias; ``/**`` is none."""
+"""Text that may be an alias of YAML, but not ``/**``."""
 _FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 

@@ -71,7 +71,7 @@ _OPEN = re.compile(
     r"\b(?:automatically_declare_parameters_from_overrides|allow_undeclared_parameters)\s*\(\s*true"
     r"|\bdeclare_parameters\s*\("
 )
-"""What declares parameters whose names no literal says."""
+"""Declarations of parameters whose names are in no literal of the source."""
 _LARGEST = 1 << 20  # bytes of a C++ file; larger ones are data
 _PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 _SCALAR = re.compile(r"^\{\w+\}$")

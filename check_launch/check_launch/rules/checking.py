@@ -36,8 +36,8 @@ from check_launch.rules.section_findings import Sections
 from check_launch.rules.system import System, Variants, system_of
 from check_launch.rules.topic_findings import ends_of, topic_findings, used_remappings
 from roverlink import bounded_files
-from roverlink.console import counted
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span, in_order
+from roverlink.numerals import counted
 
 LAUNCH_ENDINGS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch")
 _OF_ONE_NODE = (UnknownParameter, MisplacedParameter)

@@ -15,7 +15,7 @@ from roverkit.vision.localization.field_tracker import LandmarkResult
 from roverkit.vision.localization.pose_from_landmarks import FieldPose
 from roverkit.vision.markers.dictionaries import other_dictionary
 from roverkit.vision.markers.marker_set import TargetId
-from roverlink.console import counted
+from roverlink.numerals import counted
 
 _Frame = TypeVar("_Frame")
 

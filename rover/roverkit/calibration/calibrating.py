@@ -42,8 +42,9 @@ from roverkit.node.camera_source import open_source, settings_of, source_of
 from roverkit.node.ros_connection import RosConnection
 from roverkit.vision.frames import Frame, FrameSource, ImageFiles
 from roverkit.vision.opencv import cv2
-from roverlink.console import FINDINGS, OK, counted
+from roverlink.console import FINDINGS, OK
 from roverlink.installed_packages import installed_version
+from roverlink.numerals import counted
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_arguments.ros_args import RosArguments

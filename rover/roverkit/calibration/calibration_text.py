@@ -14,7 +14,8 @@ from rich.table import Table
 
 from roverkit.calibration import Calibration, Collection, Need, Offer, PoorViewsError, Verdict, View
 from roverkit.calibration.report import parameters
-from roverlink.console import counted, print_error, print_note
+from roverlink.console import print_error, print_note
+from roverlink.numerals import counted
 
 _HINT_S = 2.0
 """Shortest time in seconds between two hints about frames that were not taken."""

@@ -18,7 +18,8 @@ from roverkit.vision.frames import RATE, ImageFiles
 from roverkit.vision.images.object_drawing import draw_detections
 from roverkit.vision.markers.detection import Image
 from roverkit.vision.opencv import cv2
-from roverlink.console import counted, print_note
+from roverlink.console import print_note
+from roverlink.numerals import counted
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 

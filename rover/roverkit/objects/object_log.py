@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from roverkit.objects.detected_objects import TrackedObject
 from roverkit.vision.frames import Frame
-from roverlink.console import counted
+from roverlink.numerals import counted
 from roverlink.runtime.ros_time.clock import Clock
 
 _EVERY_S = 10.0

@@ -24,7 +24,8 @@ from roverkit.vision.markers.detection import Image
 from roverkit.vision.opencv import cv2
 from roverkit.vision.yaml_file import read_file
 from roverlink.bounded_files import read_text
-from roverlink.console import counted, print_note
+from roverlink.console import print_note
+from roverlink.numerals import counted
 from roverlink.runtime.core.errors import SetupError, nearest
 
 _KEYS = ("path", "train", "val", "test", "names", "nc", "download", "roboflow", "kpt_shape", "flip_idx")

@@ -31,8 +31,9 @@ from roverkit.vision.frames import Frame, FrameSource
 from roverkit.vision.images.drawing import write_above
 from roverkit.vision.images.object_drawing import draw_objects
 from roverkit.vision.markers.detection import Image, to_colour
-from roverlink.console import OK, counted
+from roverlink.console import OK
 from roverlink.node_log import publish_log
+from roverlink.numerals import counted
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.net.udp import resolve
 from roverlink.runtime.ros_arguments.ros_args import RosArguments

@@ -18,7 +18,7 @@ import argparse
 from posixpath import normpath
 
 from roverlink.completion import complete, numbers, rows
-from roverlink.console import FINDINGS, UNABLE, Subparsers, counted, documented_command
+from roverlink.console import FINDINGS, UNABLE, Subparsers, documented_command
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.generator.git import Repository
@@ -26,6 +26,7 @@ from roverlink.generator.lint.history import History, Usage, whereabouts
 from roverlink.generator.lint.project import Question
 from roverlink.generator.table import Table
 from roverlink.lint_scope import add_subject, folder_of, linted, print_limits, type_and_number
+from roverlink.numerals import counted
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 from roverlink.suggestions import nearest, nearest_names

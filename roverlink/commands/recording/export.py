@@ -15,7 +15,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from roverlink.console import FINDINGS, OK, Subparsers, add_recording, counted, documented_command, print_note
+from roverlink.console import FINDINGS, OK, Subparsers, add_recording, documented_command, print_note
+from roverlink.numerals import counted
 from roverlink.runtime import SetupError
 from roverlink.runtime.atomic_files import replacing
 from roverlink.runtime.recording import EXPORTS

@@ -35,7 +35,6 @@ from roverlink.console import (
     add_middleware,
     add_project,
     add_recording,
-    counted,
     documented_command,
     print_note,
     print_undelivered,
@@ -45,6 +44,7 @@ from roverlink.console import (
 )
 from roverlink.generated_code import load_project
 from roverlink.keyboard import Keyboard
+from roverlink.numerals import counted
 from roverlink.runtime import Qos, SetupError
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces import Time

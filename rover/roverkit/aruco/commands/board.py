@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from roverkit.aruco.board_options import APRILGRID, CHARUCO, CHESSBOARD, add_board, board_of, metres
-from roverlink.console import OK, Subparsers, counted, documented_command, parsed_number
+from roverlink.console import OK, Subparsers, documented_command, parsed_number
+from roverlink.numerals import counted
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.runtime.core.errors import SetupError
 

@@ -20,7 +20,8 @@ from roverkit.objects.scenes import CLASSES, scenes
 from roverkit.objects.training.network import MULTIPLE
 from roverkit.objects.yolo_folder import Label, LabelledImage, YoloFolder, read_folder, write_folder
 from roverkit.vision.markers.detection import Image
-from roverlink.console import counted, print_note
+from roverlink.console import print_note
+from roverlink.numerals import counted
 from roverlink.progress import progress
 from roverlink.runtime.core.errors import SetupError
 
