@@ -67,7 +67,7 @@ def compare(
     """
     _must_be_inside(project, files)
     changes = [_change(project, path, text, own) for path, text in files.items()]
-    left = {path for folder, suffix in folders.items() for path in _left(project, folder, suffix, files)}
+    left = {path for folder, suffix in folders.items() for path in _left(project, folder, suffix, files, own)}
     stale = [Change(path, _text(project, path), None) for path in sorted(left)]
     return sorted(
         (change for change in (*changes, *stale) if change.before != change.after), key=lambda change: change.path
@@ -148,8 +148,8 @@ def _text(project: Path, path: str) -> str | None:
             return None
 
 
-def _left(project: Path, top: str, suffix: str, files: Container[str]) -> Iterable[str]:
-    """Yield the paths of files in a folder of the project that roverlink once generated, according to their header.
+def _left(project: Path, top: str, suffix: str, files: Container[str], own: Container[str]) -> Iterable[str]:
+    """Yield the paths of files in a folder of the project that roverlink once generated, by their header or by ``own``.
 
     ``suffix`` is the end of their names. Those in ``files``, links, and folders that belong to another project or
     another repository, are left out.
@@ -158,7 +158,7 @@ def _left(project: Path, top: str, suffix: str, files: Container[str]) -> Iterab
         folders_in[:] = [folder_name for folder_name in folders_in if not _is_other_project(Path(folder, folder_name))]
         for path in (Path(folder, name) for name in names if name.endswith(suffix) and not name.endswith(".pyc")):
             name = path.relative_to(project).as_posix()
-            if name not in files and not path.is_symlink() and path.is_file() and _is_ours(path):
+            if name not in files and not path.is_symlink() and path.is_file() and (name in own or _is_ours(path)):
                 yield name
 
 

@@ -200,6 +200,17 @@ def test_files_without_a_header_are_known_from_the_ledger(tmp_path: Path) -> Non
     assert not ledger.exists()
 
 
+@pytest.mark.slow
+def test_a_vendored_runtime_goes_whole(project: Path) -> None:
+    """Without the option, all its files are removed, also those without a header; CMake asks if the folder exists."""
+    before = snapshot(project)
+    assert generate(project, "--vendor-runtime").code == 0
+    assert any("vendor/runtime/roverlink/native/flags" in path for path in snapshot(project))
+    assert generate(project).code == 0
+    assert snapshot(project) == before
+    assert not [*project.rglob("vendor")]
+
+
 def test_an_envelope_outside_the_project_is_not_written(tmp_path: Path) -> None:
     """With `root: ..` the envelope is another project's: it is neither replaced, nor removed, nor shown by --check."""
     project = case("nested").write_inputs(tmp_path / "project")
