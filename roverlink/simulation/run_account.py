@@ -184,6 +184,7 @@ _ENDS_OF_COMMANDS = {
     "refused": "refused: a value cannot be converted",
     "superseded": "superseded: a newer message replaced it before it was sent",
     "unchanged": "unchanged: the last one had the same payload (on_change)",
+    "late": "late: a link held it back for more than a second",
     "failed": "failed: the network refused the datagram",
 }
 """Texts for the counters of messages that the bridge did not send to a peer."""

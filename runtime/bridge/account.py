@@ -80,6 +80,8 @@ class Account:
     """Messages of topics that a newer message replaced before they were sent (``max_rate``), by payload."""
     unchanged: Counter[str] = field(default_factory=Counter)
     """Messages of topics that were not sent because the last one had the same payload (``on_change``), by payload."""
+    late: Counter[str] = field(default_factory=Counter)
+    """Messages of topics that were not sent because they came more than a second late (over zenoh), by payload."""
     failed: Counter[str] = field(default_factory=Counter)
     """Messages of topics whose datagram the network refused, by payload."""
     stops: Counter[str] = field(default_factory=Counter)
@@ -105,6 +107,7 @@ class Account:
             "refused": dict(sorted(self.refused.items())),
             "superseded": dict(sorted(self.superseded.items())),
             "unchanged": dict(sorted(self.unchanged.items())),
+            "late": {name: count for name, count in sorted(self.late.items()) if count},
             "failed": dict(sorted(self.failed.items())),
             "stops": dict(sorted(self.stops.items())),
             "repeated": {name: count for name, count in sorted(self.repeated.items()) if count},
@@ -153,11 +156,11 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
 
     A text is ``10 datagrams received, but 9 published and dropped``. ``account`` is a result of `Account.as_dict`.
     Every datagram received must have been published, dropped for a reason, or a link message. Every message of a topic
-    must have been sent, refused, superseded, unchanged, or failed in the network.
+    must have been sent, refused, superseded, unchanged, late, or failed in the network.
     """
     dropped = sum(account["dropped"].values())
     links = account["links_received"]
-    ends = [sum(account[name].values()) for name in ("refused", "superseded", "unchanged", "failed")]
+    ends = [sum(account[name].values()) for name in ("refused", "superseded", "unchanged", "late", "failed")]
     sums = [
         (
             counted(account["received"], "datagram") + " received",
@@ -168,7 +171,7 @@ def discrepancies(account: Mapping[str, Any]) -> list[str]:
         (
             counted(account["taken"], "message") + " taken",
             account["taken"],
-            "sent, refused, superseded, unchanged and failed",
+            "sent, refused, superseded, unchanged, late and failed",
             account["sent"] + sum(ends),
         ),
     ]

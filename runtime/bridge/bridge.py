@@ -577,7 +577,7 @@ class Bridge:
                 raise
 
         return self._middleware.subscribe(
-            self._topic(route.topic), handler.message_type, route.qos, take, route.priority
+            self._topic(route.topic), handler.message_type, route.qos, take, route.priority, late=row.count_late
         )
 
     def _fail(self, failure: BaseException) -> None:

@@ -81,6 +81,17 @@ class OutboundRow(LimitedRow):
         else:
             super()._take(messages)
 
+    def count_late(self) -> None:
+        """Count a message that came more than a second late, and is therefore not sent; log a warning."""
+        with self.lock:
+            self._account.taken[self.name] += 1
+            self._account.late[self.name] += 1
+        self._warnings.warn(
+            f"late {self.name}",
+            f"not sent: {self.name}: the message came more than a second late, because a link has held it back "
+            "or this computer is too slow",
+        )
+
     def run_due(self, now: float) -> None:
         """Send the stop if it is due; otherwise the waiting message if its time has come, or the last one again."""
         if self._watchdog and self._stop_is_due(self._watchdog, now):

@@ -182,6 +182,7 @@ class DdsMiddleware(Middleware):
         callback: Callback,
         priority: int = 0,
         exact_depth: bool = False,
+        late: Callable[[], None] | None = None,  # noqa: ARG002  # DDS keeps no more than the depth
     ) -> DdsSubscription:
         """Call ``callback`` with the serialized messages of a fully qualified topic, on the middleware's thread."""
         policies = dds_qos(qos, writing=False, type_hash=message_type.__typehash__, exact_depth=exact_depth)

@@ -98,6 +98,7 @@ class MemoryMiddleware(Middleware):
         callback: Callback,
         priority: int = 0,
         exact_depth: bool = False,
+        late: Callable[[], None] | None = None,
     ) -> MemorySubscription:
         """Call ``callback`` with the messages of a topic, on the thread that publishes them."""
         callbacks = self._graph.callbacks[topic]

@@ -144,12 +144,17 @@ class Middleware(Protocol):
         callback: Callback,
         priority: int = 0,
         exact_depth: bool = False,
+        late: Callable[[], None] | None = None,
     ) -> Subscription:
         """Call ``callback`` with serialized messages of a fully qualified topic, on a thread of the middleware.
 
         If the middleware supports priorities, topics with a larger ``priority`` are served first. A middleware may keep
         more messages than the depth of the QoS until it can call ``callback``; ``exact_depth`` forbids this, so that
         large messages such as images do not fill the memory.
+
+        A link may hold messages back, and deliver all of them later. With ``late``, a message that comes more than a
+        second late is not delivered, and ``late`` is called instead, so that nobody obeys an old command. This needs a
+        middleware that can tell, as zenoh, and a topic that is volatile.
         """
 
     def offer(self, name: str, service: RowService, answer: Callable[[bytes, Respond], None]) -> None:

@@ -185,6 +185,7 @@ class RclpyMiddleware(Middleware):
         callback: Callback,
         priority: int = 0,
         exact_depth: bool = False,  # noqa: ARG002  # rclpy never keeps more
+        late: Callable[[], None] | None = None,  # noqa: ARG002  # rclpy cannot tell
     ) -> RclpySubscription:
         """Call ``callback`` with the serialized messages of a fully qualified topic, on a thread of the middleware."""
         message_class, profile = installed_class(message_type), _profile(qos)

@@ -62,17 +62,18 @@ class TappedMiddleware(Middleware):
         callback: Callback,
         priority: int = 0,
         exact_depth: bool = False,
+        late: Callable[[], None] | None = None,
     ) -> Subscription:
         """Subscribe to a topic. The listener gets each message before the callback gets it."""
         tap = self._listener.topic(topic, message_type, qos)
         if tap is None:
-            return self._middleware.subscribe(topic, message_type, qos, callback, priority, exact_depth)
+            return self._middleware.subscribe(topic, message_type, qos, callback, priority, exact_depth, late)
 
         def tapped(messages: Sequence[bytes]) -> None:
             tap(messages)
             callback(messages)
 
-        subscription = self._middleware.subscribe(topic, message_type, qos, tapped, priority, exact_depth)
+        subscription = self._middleware.subscribe(topic, message_type, qos, tapped, priority, exact_depth, late)
         return _LentSubscription(subscription, tap) if isinstance(subscription, NativeSubscription) else subscription
 
     def offer(self, name: str, service: RowService, answer: Callable[[bytes, Respond], None]) -> None:

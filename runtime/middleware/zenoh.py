@@ -21,6 +21,7 @@ from typing import Any
 
 import zenoh
 
+from roverlink.numerals import counted
 from roverlink.runtime.core.handler import Qos, RowService
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.type_hash import service_hash, type_hash
@@ -82,23 +83,36 @@ class ZenohSubscription:
     """Subscription of one topic, and the messages that wait for the thread of the middleware."""
 
     def __init__(
-        self, topic: str, qos: Qos, exact_depth: bool, wake: Callable[[], None], has_publishers: Callable[[], bool]
+        self,
+        topic: str,
+        qos: Qos,
+        exact_depth: bool,
+        late: Callable[[], None] | None,
+        wake: Callable[[], None],
+        has_publishers: Callable[[], bool],
     ) -> None:
         depth = None if qos.history == "keep_all" else qos.depth if exact_depth else max(qos.depth, _KEPT_TO_READ)
         self.waiting: deque[bytes] = deque(maxlen=depth)
-        self.topic, self._wake, self.has_publishers = topic, wake, has_publishers
+        self.topic, self._late, self._wake, self.has_publishers = topic, late, wake, has_publishers
         # What was published before the subscription began is wanted, and old.
         self._delays = None if qos.durability == "transient_local" else defaultdict[bytes, Delay](Delay)
-        self.late = 0
-        """Number of messages that were dropped because they were late, since the last warning."""
+        self.lags = False
+        """True if a message was late since the last warning."""
+        self.replaced = 0
+        """Number of messages that newer ones have replaced since the last warning, unless this is what was wanted."""
+        self._counts_replaced = not exact_depth
         self.close: Callable[[], None] = lambda: None
 
     def put(self, sample: Any) -> None:
-        """Let a message wait, unless it is late. Called by zenoh's threads."""
+        """Let a message wait, unless it is late and must not be delivered then. Called by zenoh's threads."""
         if self._is_late(sample.attachment):
-            self.late += 1
-        else:
-            self.waiting.append(sample.payload.to_bytes())
+            if self._late is not None:
+                self._late()
+                return
+            self.lags = True
+        if self._counts_replaced and len(self.waiting) == self.waiting.maxlen:
+            self.replaced += 1
+        self.waiting.append(sample.payload.to_bytes())
         self._wake()
 
     def take(self, most: int) -> list[bytes]:
@@ -194,11 +208,17 @@ class ZenohMiddleware(Middleware):
         callback: Callback,
         priority: int = 0,
         exact_depth: bool = False,
+        late: Callable[[], None] | None = None,
     ) -> ZenohSubscription:
         """Call ``callback`` with the serialized messages of a fully qualified topic, on the middleware's thread."""
         entity = self._topic(SUBSCRIPTION, topic, message_type, qos)
         subscription = ZenohSubscription(
-            topic, qos, exact_depth, self._arrived.set, partial(self._graph.has, PUBLISHER, entity)
+            topic,
+            qos,
+            exact_depth,
+            late and partial(self._jobs.put, late),
+            self._arrived.set,
+            partial(self._graph.has, PUBLISHER, entity),
         )
         self._set_topics((*self._topics, (subscription, ServedTopic(subscription, callback, priority))))
         key, put = entity.key(self._domain), _directly(subscription.put)
@@ -315,7 +335,7 @@ class ZenohMiddleware(Middleware):
             topics = self._topics
             while self._open and (ready := [topic for subscription, topic in topics if subscription.waiting]):
                 serve([topic for _, topic in topics], ready)
-            if time.monotonic() > warn_at and _warn_of_late([subscription for subscription, _ in topics]):
+            if time.monotonic() > warn_at and _warn_of_slowness([subscription for subscription, _ in topics]):
                 warn_at = time.monotonic() + _WARN_S
 
     def _serve_services(self) -> None:
@@ -323,18 +343,20 @@ class ZenohMiddleware(Middleware):
             job()
 
 
-def _warn_of_late(subscriptions: Sequence[ZenohSubscription]) -> bool:
-    """Log the topics whose messages were dropped as late; return false if there are none."""
-    late = {subscription.topic: subscription.late for subscription in subscriptions if subscription.late}
-    if late:
+def _warn_of_slowness(subscriptions: Sequence[ZenohSubscription]) -> bool:
+    """Log which topics have late messages, or more than can wait; return false if there are none."""
+    slow = [subscription for subscription in subscriptions if subscription.lags or subscription.replaced]
+    if slow:
+        lost = sum(subscription.replaced for subscription in slow)
         logging.getLogger("roverlink").warning(
-            "dropped %d messages that came more than a second late, on %s",
-            sum(late.values()),
-            ", ".join([*late][:_NAMED]) + (f" and {len(late) - _NAMED} other topics" if len(late) > _NAMED else ""),
+            "a link or this program is too slow: %s, on %s",
+            f"{counted(lost, 'message')} gave way to newer ones" if lost else "messages come more than a second late",
+            ", ".join(subscription.topic for subscription in slow[:_NAMED])
+            + (f" and {len(slow) - _NAMED} other topics" if len(slow) > _NAMED else ""),
         )
-    for subscription in subscriptions:
-        subscription.late -= late.get(subscription.topic, 0)
-    return bool(late)
+    for subscription in slow:
+        subscription.lags, subscription.replaced = False, 0
+    return bool(slow)
 
 
 def _directly(function: Callable[[Any], None]) -> Any:

@@ -139,6 +139,7 @@ class Monitor:
         # A peer that sends a payload of an outbound row does no harm to the row, so the row must not look broken.
         dropped = Counter({key: count for key, count in account.dropped_of_row.items() if key[0] not in self._outbound})
         dropped.update({(name, "refused"): count for name, count in account.refused.items()})
+        dropped.update({(name, "late"): count for name, count in account.late.items()})
         dropped.update({(name, "unanswered"): count for name, count in account.unanswered.items() if count})
         dropped.update({key: count for key, count in account.undelivered_of_row.items() if key[0] in self._outbound})
         stops = Counter(account.stops)
@@ -148,6 +149,7 @@ class Monitor:
             self._last_stop.update({name: now for name, count in stops.items() if count != before.stops[name]})
         others: dict[str, Counter[Any]] = {
             "refused": account.refused,
+            "late": account.late,
             "not sent": account.unsent,
             "unanswered": account.unanswered,
             "not delivered": account.undelivered,

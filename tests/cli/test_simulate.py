@@ -149,7 +149,7 @@ def _account(**changed: Any) -> dict[str, Any]:
     account: dict[str, Any] = {"received": 10, "published": 8, "dropped": {"malformed": 2}, "kernel_drops": 0}
     account |= {"taken": 3, "sent": 3, "refused": {}, "superseded": {}, "failed": {}, "stops": {}, "forwarded": 0}
     account |= {"links_received": 0, "links_sent": {}, "other_schemas": {}}
-    account |= {"unchanged": {}, "repeated": {}, "undelivered": {}}
+    account |= {"unchanged": {}, "late": {}, "repeated": {}, "undelivered": {}}
     return account | changed
 
 

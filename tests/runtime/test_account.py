@@ -48,10 +48,11 @@ def _account() -> Account:
         undelivered=Counter({("hardware", "", "stale"): 4}),
         damaged=Counter({("hardware", "ArmBoard"): 6}),
         link_events=Counter({("hardware", "ArmBoard", "learned"): 1, ("basestation", "", "unreachable"): 2}),
-        taken=Counter(drive_motor=4, arm_ctrl=3),
+        taken=Counter(drive_motor=5, arm_ctrl=3),
         refused=Counter(arm_ctrl=1),
         superseded=Counter(drive_motor=1),
         unchanged=Counter(arm_ctrl=2),
+        late=Counter(drive_motor=1, arm_ctrl=0),
         failed=Counter(drive_motor=1),
         stops=Counter(drive_motor=3),
         withheld=Counter({("basestation", "gps_info", "superseded"): 6}),
@@ -69,7 +70,15 @@ def test_the_account_as_plain_values() -> None:
     """Totals, and what lies behind them; a reason that never occurred is left out."""
     values, expected = _account().as_dict(), dict[str, object]()
     assert json.loads(json.dumps(values)) == values
-    expected |= {"received": 10, "published": 5, "sent": 2, "forwarded": 5, "taken": 7, "kernel_drops": 7}
+    expected |= {
+        "received": 10,
+        "published": 5,
+        "sent": 2,
+        "forwarded": 5,
+        "taken": 8,
+        "late": {"drive_motor": 1},
+        "kernel_drops": 7,
+    }
     expected |= {"dropped": {"conversion": 1, "malformed": 3}, "qos_mismatches": {"imu_data": 1}}
     expected |= {"refused": {"arm_ctrl": 1}, "failed": {"drive_motor": 1}, "superseded": {"drive_motor": 1}}
     expected |= {"unchanged": {"arm_ctrl": 2}, "repeated": {"gps_info": 2}, "budget_bytes": {"basestation": 900}}
@@ -106,4 +115,4 @@ def test_sums_that_do_not_agree_are_told() -> None:
     account.published["imu_info"] += 1
     assert account.discrepancies() == []
     account.sent["drive_motor"] += 1
-    assert account.discrepancies() == ["7 messages taken, but 8 sent, refused, superseded, unchanged and failed"]
+    assert account.discrepancies() == ["8 messages taken, but 9 sent, refused, superseded, unchanged, late and failed"]

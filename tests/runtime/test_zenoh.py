@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy
 import pytest
+from bridge_rig import Rig, envelope
 from needs import NO_ZENOH, NO_ZENOH_JUDGES
 from polling import wait_until
 from programs import Start
@@ -211,66 +212,85 @@ def test_another_definition_of_a_type_is_told(
 # --- delivery -------------------------------------------------------------------------------------------------------
 
 
-def test_what_a_link_held_back_is_not_delivered(
+def test_what_a_link_held_back_is_no_command(
     join: Open, raw: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """What comes more than a second later than other messages of its sender is dropped, whatever the clocks say."""
-    seen = _gathered(join(), "/imu_data")
-    publisher = raw.declare_publisher(f"7/imu_data/{_IMU}")
+    """A message that comes more than a second later than others of its sender is counted instead of sent to a peer.
+
+    Others get it late, and say so. It makes no difference what the clocks say.
+    """
+    drive = REGISTRY.by_name["drive_motor"]
+    key = f"7/drive_motor/comms::msg::dds_::DrivingBoardMotorMessage_/{DrivingBoardMotorMessage.__typehash__}"
+    messages = [drive.to_cdr(drive.payload_type(distance_to_go=number)) for number in range(8)]
+    seen = _gathered(join("basestation"), "/drive_motor", DrivingBoardMotorMessage)
+    publisher = raw.declare_publisher(key)
     clock_of_sender = time.time_ns() - 3_600 * 10**9
+    with Rig(middleware=lambda _: join()) as rig:
 
-    def send(number: int, age_s: float) -> None:
-        attachment = struct.pack("<qqB16s", number, clock_of_sender - int(age_s * 1e9), 16, b"g" * 16)
-        publisher.put(_numbered(number)[0], attachment=attachment)
+        def send(number: int, age_s: float) -> None:
+            attachment = struct.pack("<qqB16s", number, clock_of_sender - int(age_s * 1e9), 16, b"g" * 16)
+            publisher.put(messages[number], attachment=attachment)
 
-    def first() -> bool:
-        send(0, 1)
-        return bool(seen)
+        def first() -> bool:
+            send(0, 1)
+            return bool(seen and rig.account.sent["drive_motor"])
 
-    wait_until(first, "the first message")
-    send(1, 0)
-    for number in range(2, 6):  # set back: the first one says so, and the others are measured by it
-        send(number, 600 - number)
-    wait_until(lambda: seen[-1:] == _numbered(5), "the messages")
-    wait_until(lambda: publisher.matching_status.matching, "the subscription")
-    clock_of_sender += 3_600 * 10**9
-    send(6, 0)
-    wait_until(lambda: seen[-1:] == _numbered(6), "the clock that was set right")
-    monotonic = time.monotonic_ns
-    monkeypatch.setattr(time, "monotonic_ns", lambda: monotonic() + int(1.5e9))
-    clock_of_sender += int(0.1e9)
-    send(7, 0)  # sent 0.1 s after the last one, and comes 1.5 s after it
-    wait_until(
-        lambda: "dropped 1 messages that came more than a second late, on /imu_data" in caplog.text, "the warning"
-    )
-    assert seen[-1:] == _numbered(6)
+        def end_with(number: int) -> bool:
+            return bool(seen[-1:] == [messages[number]] and rig.account.taken["drive_motor"] == len(seen))
+
+        wait_until(first, "the first message")
+        send(1, 0)
+        for number in range(2, 6):  # set back: the first one says so, and the others are measured by it
+            send(number, 600 - number)
+        wait_until(lambda: end_with(5), "the messages")
+        clock_of_sender += 3_600 * 10**9
+        send(6, 0)
+        wait_until(lambda: end_with(6), "the clock that was set right")
+        assert not rig.account.late
+        monotonic = time.monotonic_ns
+        monkeypatch.setattr(time, "monotonic_ns", lambda: monotonic() + int(1.5e9))
+        clock_of_sender += int(0.1e9)
+        send(7, 0)  # sent 0.1 s after the last one, and comes 1.5 s after it
+        wait_until(lambda: end_with(7), "the late message")
+        wait_until(lambda: "messages come more than a second late, on /drive_motor" in caplog.text, "the warning")
+        assert rig.account.late == {"drive_motor": 1}
+        assert "not sent: drive_motor: the message came more than a second late" in caplog.text
+        assert rig.account.sent["drive_motor"] == len(seen) - 1
+        assert rig.arrived("hardware")[-1] == envelope(drive_motor={"distance_to_go": 6})
 
 
-def test_a_slow_callback_holds_up_no_urgent_topic(join: Open) -> None:
-    """While a callback works, newer messages replace the oldest ones of its topic, and an urgent topic comes next."""
+@pytest.mark.parametrize("exact_depth", [True, False])
+def test_a_slow_callback_holds_up_no_urgent_topic(
+    join: Open, caplog: pytest.LogCaptureFixture, exact_depth: bool
+) -> None:
+    """While a callback works, newer messages replace the oldest ones of its topic, and an urgent topic comes next.
+
+    Messages that are replaced are told, unless the depth was to be exact.
+    """
     ours, other = join(), join("other")
     images = other.publisher("/image", ImuSensorInformation, Qos())
     stops = other.publisher("/stop", ImuSensorInformation, Qos())
     order: list[tuple[str, float]] = []
-    marks = _gathered(join("third"), "/stop")
 
     def note(topic: str) -> Callable[[Sequence[bytes]], None]:
         def take(messages: Sequence[bytes]) -> None:
             if not order:
                 order.append(("busy", 0))
-                images.publish(_numbered(*range(100)))
-                wait_until(lambda: stops.publish(_numbered(9)) and marks, "the stop to arrive elsewhere")
+                images.publish(_numbered(*range(400)))
+                wait_until(lambda: stops.publish(_numbered(9)) and urgent.waiting, "the stop, and all before it")
             order.extend((topic, cdr.decode(ImuSensorInformation, one).accel_x) for one in messages)
 
         return take
 
-    ours.subscribe("/image", ImuSensorInformation, Qos(depth=3), note("image"), exact_depth=True)
-    ours.subscribe("/stop", ImuSensorInformation, Qos(), note("stop"), priority=1)
+    ours.subscribe("/image", ImuSensorInformation, Qos(depth=3), note("image"), exact_depth=exact_depth)
+    urgent: Any = ours.subscribe("/stop", ImuSensorInformation, Qos(), note("stop"), priority=1)
     wait_until(images.has_subscribers, "the subscription")
     images.publish(_numbered(-1))
-    wait_until(lambda: ("image", 99) in order, "the newest message")
-    assert [one for one in order if one[0] == "image"][-3:] == [("image", 97), ("image", 98), ("image", 99)]
-    assert order.index(("stop", 9)) < order.index(("image", 97))
+    wait_until(lambda: ("image", 399) in order, "the newest message")
+    assert [one for one in order if one[0] == "image"][-3:] == [("image", 397), ("image", 398), ("image", 399)]
+    assert order.index(("stop", 9)) < order.index(("image", 397))
+    wait_until(lambda: exact_depth or "gave way to newer ones, on /image" in caplog.text, "the warning")
+    assert exact_depth is not ("gave way" in caplog.text)
 
 
 def test_a_node_that_has_left_accepts_nothing(join: Open) -> None:

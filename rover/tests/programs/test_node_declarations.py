@@ -10,6 +10,7 @@ import sys
 from argparse import ArgumentParser
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import pytest
 from roverkit.driving.drive_declaration import NODE as DRIVE
@@ -28,8 +29,8 @@ from roverlink.nodes import Direction, ExtraTopics, NodeDeclaration, RowTopic, T
 from roverlink.nodes.installed import declared_nodes
 from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Message
-from roverlink.runtime.middleware import Callback, Publisher, Subscription
-from roverlink.runtime.middleware.memory import MemoryMiddleware
+from roverlink.runtime.middleware import Publisher
+from roverlink.runtime.middleware.memory import MemoryMiddleware, MemorySubscription
 from roverlink.runtime.ros_arguments import ros_args
 
 _ROVERKIT = Path(__file__).parents[2] / "roverkit"
@@ -94,16 +95,10 @@ class _Recorded(MemoryMiddleware):
         return super().publisher(topic, message_type, qos)
 
     def subscribe(
-        self,
-        topic: str,
-        message_type: type[Message],
-        qos: Qos,
-        callback: Callback,
-        priority: int = 0,
-        exact_depth: bool = False,
-    ) -> Subscription:
+        self, topic: str, message_type: type[Message], qos: Qos, *given: Any, **named: Any
+    ) -> MemorySubscription:
         self.opened.add((Direction.RECEIVED, topic, message_type.__msgtype__, qos))
-        return super().subscribe(topic, message_type, qos, callback, priority, exact_depth)
+        return super().subscribe(topic, message_type, qos, *given, **named)
 
 
 @pytest.mark.parametrize("node", [DRIVE, ODOMETRY], ids=lambda node: node.name)
