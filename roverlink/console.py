@@ -94,7 +94,8 @@ def add_project(parser: argparse.ArgumentParser) -> None:
         "--project",
         type=Path,
         metavar="DIR",
-        help="folder with mapping.yaml and generated/ (default: this folder or the nearest such folder above it)",
+        help="folder with mapping.yaml and generated/ (default: this folder or the nearest such folder above it, "
+        "or else the generated code in the ROS 2 package that is sourced)",
     )
 
 
@@ -250,8 +251,9 @@ def parsed_number(text: str, read: Callable[[str], N], fits: Callable[[N], bool]
 def project_folder(given: Path | None) -> Path:
     """Return the folder of the project: ``given``, or else this folder or the nearest one above it with a project.
 
-    A folder has a project if it contains mapping.yaml or generated/registry.py. Raises `NoProjectError` if there is no
-    project. If a command that wrote the project's files was killed, its work is completed or rolled back first.
+    A folder has a project if it contains mapping.yaml or generated/registry.py. Elsewhere, the project is that of the
+    first sourced ROS 2 package which has installed generated code. Raises `NoProjectError` if there is no project. If a
+    command that wrote the project's files was killed, its work is completed or rolled back first.
     """
     if given is not None:
         finish_interrupted(given)
@@ -261,10 +263,20 @@ def project_folder(given: Path | None) -> Path:
         finish_interrupted(folder)
         if os.path.lexists(folder / TABLE) or (folder / "generated" / "registry.py").is_file():
             return folder
+    if (sourced := _sourced_project()) is not None:
+        return sourced
     raise NoProjectError(
         f"no {TABLE} in {here} or a folder above it; start a project here with `roverlink init`, "
         "or name its folder with --project DIR"
     )
+
+
+def _sourced_project() -> Path | None:
+    """Return the folder into which a sourced ROS 2 package has installed generated code; None if none has."""
+    for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
+        for registry in sorted(Path(prefix, "lib").glob("*/project/**/registry.py")):
+            return next(folder for folder in registry.parents if folder.name == "project")
+    return None
 
 
 def isolate_ros(held: contextlib.ExitStack) -> None:

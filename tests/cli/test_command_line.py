@@ -281,12 +281,22 @@ def test_a_clone_without_symbolic_links_is_told(tmp_path: Path, environment: dic
 
 
 def test_the_project_is_the_nearest_folder_that_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A folder with a table or with generated code is a project; what was given goes before it."""
+    """A folder with a table or with generated code is a project; what was given goes before it.
+
+    Far from all of them, it is the code in the first sourced ROS 2 package that has installed some.
+    """
     inner = tmp_path / "outer" / "inner" / "deep"
     inner.mkdir(parents=True)
     monkeypatch.chdir(inner)
     with pytest.raises(NoProjectError, match=r"roverlink init"):
         project_folder(None)
+    sourced = [tmp_path / name for name in ("nav2", "overlay", "ros")]
+    for prefix in sourced[1:]:
+        code = prefix / "lib" / "comms" / "project" / "rover" / "code"
+        code.mkdir(parents=True)
+        (code / "registry.py").touch()
+    monkeypatch.setenv("AMENT_PREFIX_PATH", os.pathsep.join(map(str, sourced)))
+    assert project_folder(None) == tmp_path / "overlay" / "lib" / "comms" / "project"
     (tmp_path / "outer" / "mapping.yaml").touch()
     assert project_folder(None) == tmp_path / "outer"
     (inner.parent / "generated").mkdir()
