@@ -29,7 +29,14 @@ from roverlink.numerals import counted
 from roverlink.runtime import MiddlewareError, Registry, RoverlinkError
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
-from roverlink.runtime.middleware import NodeIdentity, can_import, dds_cure, open_middleware
+from roverlink.runtime.middleware import (
+    NodeIdentity,
+    can_import,
+    dds_cure,
+    examine_zenoh,
+    open_middleware,
+    selected,
+)
 from roverlink.runtime.middleware.interface_packages import installed_class
 from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.native.core import NoCoreError, open_core
@@ -64,13 +71,16 @@ class CheckResult:
         return dataclasses.asdict(self)
 
 
-def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = (), end: str = "") -> list[CheckResult]:
+def examine(
+    project: Path | None, ros: RosArguments, pins: Sequence[Path] = (), end: str = "", middleware: str = "auto"
+) -> list[CheckResult]:
     """Run all checks and return their results. A check that fails is a result, not an exception.
 
     ``project`` is the folder of the project; None for the nearest one, from the current folder upwards. ``ros`` holds
     the parameters of the bridge to check, such as its UDP port. ``pins`` are files and repositories that say which
     commit of the .proto files other projects use. ``end`` is the peer or board that this computer is, if it is not the
-    rover. Raises `DiagnosticsError` if they cannot be read.
+    rover. ``middleware`` is the connection to ROS 2 that is checked. Raises `DiagnosticsError` if ``pins`` cannot be
+    read.
     """
     pinned = None
     if pins:  # imported here: the lint is slow to import, and few users of doctor need it
@@ -93,7 +103,8 @@ def examine(project: Path | None, ros: RosArguments, pins: Sequence[Path] = (), 
     else:
         found += [*_network(registry, settings), *_firewall(settings)]
         found += [CheckResult(*verdict) for verdict in doctor_link.verdicts(registry, settings, pinned)]
-    return [*found, *_multicast(), *_ros(registry)]
+    name = selected(middleware)
+    return [*found, *(_multicast() if name in ("dds", "rclpy") else ()), *_ros(registry, name)]
 
 
 # --- this Python ------------------------------------------------------------------------------------------------
@@ -121,6 +132,8 @@ def _python() -> Iterator[CheckResult]:
 
 def _table(project: Path) -> Iterator[CheckResult]:
     """Warn if the generated code is that of another table: the bridge does not read the table itself."""
+    if not (project / TABLE).exists():  # a rover may carry the generated code alone
+        return
     try:
         changes = compile_table(project / TABLE).changes(project)
     except DiagnosticsError:
@@ -314,33 +327,47 @@ def _multicast() -> Iterator[CheckResult]:
 # --- ROS 2 ------------------------------------------------------------------------------------------------------
 
 
-def _ros(registry: Registry | None) -> Iterator[CheckResult]:
+def _ros(registry: Registry | None, middleware: str) -> Iterator[CheckResult]:
     distribution = os.environ.get("ROS_DISTRO", "")
-    domain = os.environ.get("ROS_DOMAIN_ID", "0")
     rclpy = can_import("rclpy")
-    if distribution and not rclpy:
-        says = f"ROS 2 {distribution} is sourced, but this Python {platform.python_version()} cannot import rclpy"
+    if not rclpy and (middleware == "rclpy" or (distribution and middleware == "dds")):
+        sourced = f"ROS 2 {distribution} is sourced, but " if distribution else ""
+        says = f"{sourced}this Python {platform.python_version()} cannot import rclpy"
         environment = "/usr/bin/python3 -m venv --system-site-packages .venv"
         cure = f"create the virtual environment with the Python of ROS 2, for example with `{environment}`"
-        yield CheckResult("warning", "rclpy", says, cure)
+        yield CheckResult("error" if middleware == "rclpy" else "warning", "rclpy", says, cure)
     try:
-        ros_domain()
+        domain = ros_domain()
     except MiddlewareError as error:
         yield CheckResult("error", "ROS 2 domain", str(error))
         return
-    if rclpy and registry is not None:
+    if middleware == "zenoh":
+        yield from _zenoh(domain)
+    elif middleware == "dds":
+        yield _joins(domain)
+    elif middleware == "rclpy" and rclpy and registry is not None:
         yield _interfaces(registry)
-    dds = installed_version("cyclonedds")
-    if not rclpy and dds is None:
-        cure = f"source an installed ROS 2: source /opt/ros/DISTRO/setup.bash; as for Cyclone DDS, {dds_cure()}"
-        says = "neither rclpy nor Cyclone DDS is installed, so the bridge cannot connect to ROS 2"
-        yield CheckResult("error", "ROS 2", says, cure)
-    elif not rclpy:
-        yield _joins(str(dds), domain)
 
 
-def _joins(version: str, domain: str) -> CheckResult:
+def _zenoh(domain: int) -> Iterator[CheckResult]:
+    """Check that zenoh takes its configuration, and that a router answers."""
+    try:
+        answers, doubts = examine_zenoh()
+    except MiddlewareError as error:
+        yield CheckResult("error", "zenoh", str(error))
+        return
+    keys = os.environ.get("ROS_DISTRO", "humble, because ROS_DISTRO is not set")
+    yield CheckResult("ok", "zenoh", f"{answers}; ROS 2 domain {domain}, with the keys of {keys}")
+    for doubt in doubts:
+        yield CheckResult("warning", "zenoh", doubt)
+
+
+def _joins(domain: int) -> CheckResult:
     """Check that Cyclone DDS has a supported version and can join the ROS 2 domain (ROS_DOMAIN_ID)."""
+    version = installed_version("cyclonedds")
+    if version is None:
+        cure = f"source an installed ROS 2: source /opt/ros/DISTRO/setup.bash; as for Cyclone DDS, {dds_cure()}"
+        return CheckResult("error", "Cyclone DDS", "neither rclpy nor Cyclone DDS is installed", cure)
     if version.partition(".")[0] != "11":
         return CheckResult(
             "error",

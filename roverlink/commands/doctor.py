@@ -3,7 +3,8 @@
 Check this machine for problems that keep the bridge from working: Python packages, generated code, the
 bridge's UDP port and receive buffer, the peers' address, firewall, multicast and ROS 2. Use it before the
 first `roverlink run`, or if no messages arrive. Stop the bridge before, so that its UDP port is free. Write
-the same --ros-args as for `roverlink run`, so that the port and the addresses of that bridge are checked.
+the same --middleware and --ros-args as for `roverlink run`, so that the port and the addresses of that bridge
+are checked. With zenoh, the command looks for the router and for mistakes in the configuration.
 
 If the table has the link message, the command exchanges link messages with the peers for a moment, and
 names the boards that have another schema.
@@ -22,7 +23,17 @@ import json
 from pathlib import Path
 
 from roverlink import doctor_checks
-from roverlink.console import FINDINGS, OK, UNABLE, Subparsers, add_end, add_project, documented_command, project_folder
+from roverlink.console import (
+    FINDINGS,
+    OK,
+    UNABLE,
+    Subparsers,
+    add_end,
+    add_middleware,
+    add_project,
+    documented_command,
+    project_folder,
+)
 from roverlink.diagnostic_text import show_error
 from roverlink.generator.diagnostics import DiagnosticsError
 from roverlink.runtime import NODE
@@ -36,6 +47,7 @@ def add(commands: Subparsers) -> None:
     parser = documented_command(commands, __name__, __doc__)
     add_project(parser)
     add_end(parser)
+    add_middleware(parser)
     parser.add_argument(
         "--json",
         action="store_true",
@@ -57,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the results of all checks. The exit code is 1 if a result is an error."""
     ros = ros_args.parse(arguments.ros_args, NODE)
     try:
-        found = doctor_checks.examine(arguments.project, ros, arguments.pins, arguments.end)
+        found = doctor_checks.examine(arguments.project, ros, arguments.pins, arguments.end, arguments.middleware)
     except DiagnosticsError as error:
         show_error(error, project_folder(arguments.project))
         return UNABLE

@@ -41,8 +41,10 @@ __all__ = [
     "Subscription",
     "can_import",
     "dds_cure",
+    "examine_zenoh",
     "open_middleware",
     "open_zenoh_router",
+    "selected",
 ]
 
 NAMES = ("auto", "dds", "rclpy", "zenoh", "memory")
@@ -55,9 +57,7 @@ def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | 
     connects only parts of this process. ``parameters`` are the parameters of the node, which ROS 2 tools can then read
     and change. Raises `MiddlewareError` if a package is missing; the message says how to install it.
     """
-    if name == "auto":
-        wanted = "zenoh" if os.environ.get("RMW_IMPLEMENTATION") == "rmw_zenoh_cpp" else "dds"
-        name = "rclpy" if can_import("rclpy") else wanted
+    name = selected(name)
     # Imports are inside the branches: rclpy, Cyclone DDS and zenoh are optional and slow to import.
     if name == "memory":
         from roverlink.runtime.middleware.memory import MemoryMiddleware
@@ -71,6 +71,15 @@ def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | 
         opened: Middleware = _with_zenoh("zenoh").ZenohMiddleware(node, parameters)
         return opened
     raise MiddlewareError(f"unknown middleware {name!r} (known: {', '.join(NAMES)})")
+
+
+def selected(name: str) -> str:
+    """Return the name of the middleware that ``auto`` selects now; any other name as it is."""
+    if name != "auto":
+        return name
+    if can_import("rclpy"):
+        return "rclpy"
+    return "zenoh" if os.environ.get("RMW_IMPLEMENTATION") == "rmw_zenoh_cpp" else "dds"
 
 
 def can_import(package: str) -> bool:
@@ -112,6 +121,15 @@ def open_zenoh_router(endpoints: Sequence[str]) -> Any:
     Raises `MiddlewareError` if zenoh is missing, or if the router cannot listen.
     """
     return _with_zenoh("zenoh_config").open_router(endpoints)
+
+
+def examine_zenoh() -> tuple[str, list[str]]:
+    """Join zenoh for a moment; return which router answers, and texts about messages that may not pass.
+
+    Raises `MiddlewareError` if zenoh is missing or refuses its configuration, or if no router answers.
+    """
+    found: tuple[str, list[str]] = _with_zenoh("zenoh_config").examine()
+    return found
 
 
 def _with_zenoh(module: str) -> Any:

@@ -6,7 +6,7 @@ import json
 import logging
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import zenoh
@@ -16,6 +16,7 @@ from roverlink.runtime.core.errors import MiddlewareError
 SESSION_FILE, ROUTER_FILE = "ZENOH_SESSION_CONFIG_URI", "ZENOH_ROUTER_CONFIG_URI"
 OVERRIDE = "ZENOH_CONFIG_OVERRIDE"
 ROUTER_ENDPOINT = "tcp/[::]:7447"
+_START = "start it with `roverlink zenoh-router` or `ros2 run rmw_zenoh_cpp rmw_zenohd`"
 # Reconnect within a second or two of the return of a link. rmw_zenoh waits up to 4 s, and ends a link that is silent
 # for a minute; zenoh's default is 10 s. What TCP has kept for an ended link is never delivered.
 _RETRY = {"period_init_ms": 500, "period_max_ms": 1000, "period_increase_factor": 2}
@@ -41,16 +42,67 @@ _OVERRIDDEN = re.compile(r'\s*([\w/]+)=((?:"[^"]*"|[^";])*)(?:;|$)')
 
 
 def open_session() -> Any:
-    """Open the session of a node. Raises `MiddlewareError` if this is not possible; warns if no router answers."""
+    """Open the session of a node. Raises `MiddlewareError` if this is not possible; warns if messages may not pass."""
     config = _config(SESSION_FILE, _SESSION)
     session = _open(config)
-    if not session.info.routers_zid():
-        logging.getLogger("roverlink").warning(
-            "no zenoh router answers at %s, and nodes cannot find each other without one: start it with `roverlink "
-            "zenoh-router` or `ros2 run rmw_zenoh_cpp rmw_zenohd`",
-            ", ".join(map(str, json.loads(config.get_json("connect/endpoints")) or ["any address"])),
-        )
+    for text in filter(None, (_missing_router(session, config), *_doubts(config))):
+        logging.getLogger("roverlink").warning("%s", text)
     return session
+
+
+def examine() -> tuple[str, list[str]]:
+    """Open the session of a node for a moment; return which router answers, and texts about what may not pass.
+
+    Raises `MiddlewareError` if zenoh refuses the configuration, or no router answers.
+    """
+    config = _config(SESSION_FILE, _SESSION)
+    with _open(config) as session:
+        if missing := _missing_router(session, config):
+            raise MiddlewareError(missing)
+        return f"a router answers at {_named(_of_mode(config, 'connect/endpoints'))}", list(_doubts(config))
+
+
+def _missing_router(session: Any, config: Any) -> str:
+    """Return a text if no router answers a session; empty if one does."""
+    if session.info.routers_zid():
+        return ""
+    return (
+        f"no zenoh router answers at {_named(_of_mode(config, 'connect/endpoints'))}, and nodes cannot find each other "
+        f"without one: {_START}"
+    )
+
+
+def _doubts(config: Any) -> Iterator[str]:
+    """Yield a text for each value of a configuration with which messages may not arrive."""
+    connected, listening = (_of_mode(config, f"{what}/endpoints") or () for what in ("connect", "listen"))
+    if _mode(config) == "peer" and not any(map(_is_local, connected)) and all(map(_is_local, listening)):
+        yield (
+            f"this node is a peer of the router at {_named(connected)}, which passes nothing between peers, and nodes "
+            f'on other computers cannot reach it: set mode="client" in {SESSION_FILE} or {OVERRIDE}'
+        )
+    if not _of_mode(config, "timestamping/enabled"):
+        yield (
+            f"zenoh adds no timestamps, so latched topics (transient_local) do not work: set timestamping/enabled=true "
+            f"in {SESSION_FILE} or {OVERRIDE}"
+        )
+
+
+def _mode(config: Any) -> str:
+    return json.loads(config.get_json("mode")) or "peer"
+
+
+def _of_mode(config: Any, key: str) -> Any:
+    """Return a value of a configuration, which may be an object with one value for each mode."""
+    value = json.loads(config.get_json(key))
+    return value.get(_mode(config)) if isinstance(value, dict) else value
+
+
+def _is_local(endpoint: str) -> bool:
+    return re.match(r"[\w-]+/(localhost|127\.|\[::1\])", endpoint) is not None
+
+
+def _named(endpoints: Sequence[str]) -> str:
+    return ", ".join(endpoints) or "any address"
 
 
 def open_router(endpoints: Sequence[str]) -> Any:
@@ -87,7 +139,8 @@ def _open(config: Any) -> Any:
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        raise MiddlewareError(f"zenoh cannot open a session: {_reason(error)}") from error
+        advice = f"; if the router does not run, {_START}" if _mode(config) == "client" else ""
+        raise MiddlewareError(f"zenoh cannot open a session: {_reason(error)}{advice}") from error
 
 
 def _reason(error: Exception) -> str:
