@@ -22,6 +22,7 @@ from typing import Any
 import zenoh
 
 from roverlink.numerals import counted
+from roverlink.runtime.core.errors import MiddlewareError
 from roverlink.runtime.core.handler import Qos, RowService
 from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.type_hash import service_hash, type_hash
@@ -38,7 +39,7 @@ from roverlink.runtime.middleware.protocol import (
 )
 from roverlink.runtime.middleware.ros_domain import ros_domain
 from roverlink.runtime.middleware.serving import ServedTopic, has_ended, serve
-from roverlink.runtime.middleware.zenoh_config import open_session
+from roverlink.runtime.middleware.zenoh_config import open_session, reason_of
 from roverlink.runtime.middleware.zenoh_graph import ZenohGraph
 from roverlink.runtime.middleware.zenoh_keys import (
     CLIENT,
@@ -180,21 +181,24 @@ class ZenohMiddleware(Middleware):
             thread.start()
 
     def publisher(self, topic: str, message_type: type[Message], qos: Qos) -> ZenohPublisher:
-        """Create a publisher for a fully qualified topic."""
+        """Create a publisher for a fully qualified topic. Raises `MiddlewareError` if zenoh refuses a latched one."""
         entity = self._topic(PUBLISHER, topic, message_type, qos)
         settings: dict[str, Any] = {"congestion_control": zenoh.CongestionControl.DROP}
         if qos.reliability == "best_effort":
             settings["reliability"] = zenoh.Reliability.BEST_EFFORT
         if qos.durability == "transient_local":
             heartbeat = zenoh.ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=_HEARTBEAT_S)
-            made: Any = zenoh.ext.declare_advanced_publisher(
-                self._session,
-                entity.key(self._domain),
-                cache=zenoh.ext.CacheConfig(qos.depth),
-                publisher_detection=True,
-                sample_miss_detection=heartbeat if qos.reliability == "reliable" else None,
-                **settings,
-            )
+            try:
+                made: Any = zenoh.ext.declare_advanced_publisher(
+                    self._session,
+                    entity.key(self._domain),
+                    cache=zenoh.ext.CacheConfig(qos.depth),
+                    publisher_detection=True,
+                    sample_miss_detection=heartbeat if qos.reliability == "reliable" else None,
+                    **settings,
+                )
+            except zenoh.ZError as error:  # without timestamps
+                raise MiddlewareError(f"{topic}: {reason_of(error)}") from error
         else:
             made = self._session.declare_publisher(entity.key(self._domain), **settings)
         self._held.append(made)

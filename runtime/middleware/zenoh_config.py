@@ -82,8 +82,8 @@ def _doubts(config: Any) -> Iterator[str]:
         )
     if not _of_mode(config, "timestamping/enabled"):
         yield (
-            f"zenoh adds no timestamps, so latched topics (transient_local) do not work: set timestamping/enabled=true "
-            f"in {SESSION_FILE} or {OVERRIDE}"
+            "zenoh adds no timestamps, so no latched topic (transient_local) that is best effort can be published: set "
+            f"timestamping/enabled=true in {SESSION_FILE} or {OVERRIDE}"
         )
 
 
@@ -131,7 +131,7 @@ def _config(variable: str, defaults: Mapping[str, object]) -> Any:
             config.insert_json5(one[1], one[2])
             rest = rest[one.end() :]
     except (zenoh.ZError, OSError) as error:
-        raise MiddlewareError(f"zenoh refuses {source}={os.environ.get(source)!r}: {_reason(error)}") from error
+        raise MiddlewareError(f"zenoh refuses {source}={os.environ.get(source)!r}: {reason_of(error)}") from error
     return config
 
 
@@ -140,9 +140,9 @@ def _open(config: Any) -> Any:
         return zenoh.open(config)
     except zenoh.ZError as error:
         advice = f"; if the router does not run, {_START}" if _mode(config) == "client" else ""
-        raise MiddlewareError(f"zenoh cannot open a session: {_reason(error)}{advice}") from error
+        raise MiddlewareError(f"zenoh cannot open a session: {reason_of(error)}{advice}") from error
 
 
-def _reason(error: Exception) -> str:
-    """Return the text of an error without the places in zenoh's source code."""
-    return re.sub(r"\s+at \S+\.rs:\d+\.?", "", str(error)).strip()
+def reason_of(error: Exception) -> str:
+    """Return the text of an error in one line, without the places in zenoh's source code."""
+    return " ".join(re.sub(r"\s+at \S+\.rs:\d+\.?", "", str(error)).split())

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
+from unittest.mock import ANY
 
 import numpy
 import pytest
@@ -26,7 +27,14 @@ from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import RowService
 from roverlink.runtime.interfaces import rcl_interfaces as rcl
-from roverlink.runtime.middleware import Endpoint, Middleware, NodeIdentity, open_middleware, open_zenoh_router
+from roverlink.runtime.middleware import (
+    Endpoint,
+    Middleware,
+    NodeIdentity,
+    examine_zenoh,
+    open_middleware,
+    open_zenoh_router,
+)
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
@@ -346,7 +354,7 @@ def test_a_service_that_nobody_offers_is_told(join: Open) -> None:
 def test_the_configuration_is_zenohs_own(
     router: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, tmp_path: Any
 ) -> None:
-    """A file and single values; a mistake, a router that is not there, and a refusal are one line."""
+    """A file and single values; a mistake, a router that is not there, and a refusal are one line, as for doctor."""
     file = tmp_path / "session.json5"
     file.write_text(
         f'{{mode: "client", connect: {{endpoints: ["{router}"]}}, scouting: {{multicast: {{enabled: false}}}}}}'
@@ -368,9 +376,17 @@ def test_the_configuration_is_zenohs_own(
             open_middleware("zenoh", NodeIdentity("client"))
         assert said in str(refused.value)
         assert ".rs" not in str(refused.value)
+    monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", "")
+    assert examine_zenoh() == (f"a router answers at {router}", [ANY])
+    with open_middleware("zenoh", NodeIdentity("client")) as node, pytest.raises(MiddlewareError, match="timestamp"):
+        node.publisher("/map", ImuSensorInformation, Qos("best_effort", "transient_local"))
+    assert "timestamping/enabled=true" in caplog.text
     file.write_text("{mode: ")
-    with pytest.raises(MiddlewareError, match="zenoh refuses ZENOH_SESSION_CONFIG_URI"):
-        open_middleware("zenoh", NodeIdentity("client"))
+    with pytest.raises(
+        MiddlewareError, match=r"zenoh refuses ZENOH_SESSION_CONFIG_URI='.*': --> 1:8 .*expected"
+    ) as bad:
+        examine_zenoh()
+    assert "\n" not in str(bad.value)
 
 
 @pytest.mark.slow
@@ -381,6 +397,8 @@ def test_a_node_without_a_router_says_so(monkeypatch: pytest.MonkeyPatch, caplog
     with open_middleware("zenoh", NodeIdentity("alone")):
         assert "no zenoh router answers at tcp/127.0.0.1:1" in caplog.text
         assert "zenoh-router" in caplog.text
+    with pytest.raises(MiddlewareError, match="no zenoh router answers at tcp/127"):
+        examine_zenoh()
 
 
 # --- strangers ------------------------------------------------------------------------------------------------------
