@@ -7,6 +7,7 @@ import functools
 import gc
 import importlib.metadata
 import os
+import socket
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -15,10 +16,11 @@ from typing import Any
 
 import pytest
 from default_signals import restore_default_signals
-from needs import EXHAUSTIVE, SLOW
+from needs import EXHAUSTIVE, NO_ZENOH, SLOW
 from programs import Program, Start
 
 from roverlink.dds_domain import claim_domain
+from roverlink.runtime.middleware import open_zenoh_router
 
 _REPOSITORY = Path(__file__).parent
 
@@ -130,6 +132,20 @@ def environment(domain: int) -> dict[str, str]:
         "ROS_DOMAIN_ID": str(domain),
         "COLUMNS": "200",
     }
+
+
+@pytest.fixture
+def zenoh_router(environment: dict[str, str], monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """The endpoint of a router of zenoh, to which the nodes of this process and those of its programs connect."""
+    pytest.importorskip("zenoh", reason=NO_ZENOH)
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    override = f'mode="client";connect/endpoints=["{endpoint}"]'  # a peer waits half a second for others
+    with open_zenoh_router([endpoint]):
+        monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", override)
+        environment["ZENOH_CONFIG_OVERRIDE"] = override
+        yield endpoint
 
 
 @pytest.fixture

@@ -229,12 +229,14 @@ def test_doctor_goes_on_where_something_keeps_it_from_checking(called: Called, t
 
 
 @pytest.mark.slow
-@needs_dds
-def test_top_serves_the_page(bridge: Bridge, start: Start) -> None:
+@pytest.mark.parametrize("middleware", [pytest.param("dds", marks=needs_dds), "zenoh"])
+def test_top_serves_the_page(bridge: Bridge, start: Start, middleware: str, request: pytest.FixtureRequest) -> None:
     """`top --web` shows the rows of a bridge in another process, and the log that it publishes."""
-    program, port = bridge(middleware="dds")
+    if middleware == "zenoh":
+        request.getfixturevalue("zenoh_router")
+    program, port = bridge(middleware=middleware)
     with _speaking(port):
-        top = start("top", "--middleware", "dds", "--web", "127.0.0.1:0", "--timeout", 60)
+        top = start("top", "--middleware", middleware, "--web", "127.0.0.1:0", "--timeout", 60)
         url = top.wait_for("page: ").rpartition(" ")[2]
         seen: dict[str, dict[str, Any]] = {}
         with urllib.request.urlopen(f"{url}events", timeout=60) as events:

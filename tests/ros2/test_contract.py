@@ -26,7 +26,7 @@ from generated.registry import REGISTRY
 from roverlink.runtime import Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
-from roverlink.runtime.middleware import NodeIdentity, open_middleware, open_zenoh_router
+from roverlink.runtime.middleware import NodeIdentity, open_middleware
 from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK
 
 __all__ = ["called", "own_signals", "peer"]
@@ -41,28 +41,15 @@ _PACKAGES = {"dds": ("cyclonedds", NO_DDS), "rclpy": ("rclpy", NO_RCLPY), "zenoh
 
 
 @pytest.fixture(params=_PACKAGES, autouse=True)
-def middleware(
-    request: pytest.FixtureRequest, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
-) -> Iterator[str]:
+def middleware(request: pytest.FixtureRequest) -> str:
     """Each middleware that is installed; zenoh with a router."""
     name = str(request.param)
     package, reason = _PACKAGES[name]
     if not find_spec(package):
         pytest.skip(reason)
-    with ExitStack() as held:
-        if name == "zenoh":
-            endpoint = f"tcp/127.0.0.1:{_free_port()}"
-            held.enter_context(open_zenoh_router([endpoint]))
-            override = f'connect/endpoints=["{endpoint}"]'
-            monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", override)
-            environment["ZENOH_CONFIG_OVERRIDE"] = override
-        yield name
-
-
-def _free_port() -> int:
-    with socket.socket() as sock:
-        sock.bind(("127.0.0.1", 0))
-        return int(sock.getsockname()[1])
+    if name == "zenoh":
+        request.getfixturevalue("zenoh_router")
+    return name
 
 
 @pytest.fixture

@@ -33,7 +33,6 @@ from roverlink.runtime.middleware import (
     NodeIdentity,
     examine_zenoh,
     open_middleware,
-    open_zenoh_router,
 )
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
@@ -50,19 +49,11 @@ Open = Callable[..., Middleware]
 
 
 @pytest.fixture
-def router(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]) -> Iterator[str]:
-    """The endpoint of a router, to which the nodes of this process and those of its programs connect."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
-    given = {"ROS_DOMAIN_ID": "7", "ROS_DISTRO": "jazzy"}
-    for name, value in given.items():
-        monkeypatch.setenv(name, value)
-    with open_zenoh_router([endpoint]):
-        override = f'mode="client";connect/endpoints=["{endpoint}"]'  # a peer waits half a second for others
-        monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", override)
-        environment |= {**given, "ZENOH_CONFIG_OVERRIDE": override}
-        yield endpoint
+def router(zenoh_router: str, monkeypatch: pytest.MonkeyPatch) -> str:
+    """The endpoint of a router for the nodes of a domain and a distribution."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    monkeypatch.setenv("ROS_DISTRO", "jazzy")
+    return zenoh_router
 
 
 @pytest.fixture
