@@ -5,11 +5,12 @@ All middlewares exchange serialized messages (CDR), so the bridge can use any of
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 import platform
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from roverlink.runtime.core.errors import MiddlewareError
@@ -68,8 +69,10 @@ def open_middleware(name: str, node: NodeIdentity, parameters: NodeParameters | 
     if name == "dds":
         return _open_dds(node, parameters)
     if name == "zenoh":
-        opened: Middleware = _with_zenoh("zenoh").ZenohMiddleware(node, parameters)
-        return opened
+        with _zenoh_needed():
+            from roverlink.runtime.middleware.zenoh import ZenohMiddleware
+
+        return ZenohMiddleware(node, parameters)
     raise MiddlewareError(f"unknown middleware {name!r} (known: {', '.join(NAMES)})")
 
 
@@ -120,7 +123,9 @@ def open_zenoh_router(endpoints: Sequence[str]) -> Any:
 
     Raises `MiddlewareError` if zenoh is missing, or if the router cannot listen.
     """
-    return _with_zenoh("zenoh_config").open_router(endpoints)
+    with _zenoh_needed():
+        from roverlink.runtime.middleware.zenoh_config import open_router
+    return open_router(endpoints)
 
 
 def examine_zenoh() -> tuple[str, list[str]]:
@@ -128,14 +133,16 @@ def examine_zenoh() -> tuple[str, list[str]]:
 
     Raises `MiddlewareError` if zenoh is missing or refuses its configuration, or if no router answers.
     """
-    found: tuple[str, list[str]] = _with_zenoh("zenoh_config").examine()
-    return found
+    with _zenoh_needed():
+        from roverlink.runtime.middleware.zenoh_config import examine
+    return examine()
 
 
-def _with_zenoh(module: str) -> Any:
-    """Import a module of this package that needs zenoh."""
+@contextlib.contextmanager
+def _zenoh_needed() -> Iterator[None]:
+    """Raise `MiddlewareError` if a module that needs zenoh cannot be imported inside of the context."""
     try:
-        return importlib.import_module(f"{__name__}.{module}")
+        yield
     except ImportError as error:
         raise MiddlewareError(
             f"zenoh cannot be imported ({error}); install it with `pip install eclipse-zenoh xxhash`, or install "
