@@ -328,6 +328,8 @@ def _is_not_navigation(environment: dict[str, str]) -> Iterator[str]:
         done = subprocess.run([program, "--help"], env=ours, cwd="/", capture_output=True, text=True)
         if done.returncode or f"usage: roverlink {program.name.replace('_', ' ')} " not in done.stdout:
             yield f"{program} is not that command of roverlink: {done.stdout[:80]}{done.stderr}"
+        if os.fsencode(ROOT) in program.read_bytes():
+            yield f"{program} contains the path of the project"
 
 
 if __name__ == "__main__":
