@@ -131,8 +131,7 @@ def test_replaced_contents_show_the_fields_that_differ(link: Link) -> None:
     (finding,) = (text for text in link.text().split("\n\n") if "HIS103" in text)
     lines = [" ".join(line.split()) for line in finding.splitlines()]
     assert lines[0].endswith(
-        "number 2 of 'PBEnvelope' kept the name 'gps' (Gps), but the content of 'Gps' was replaced: "
-        "1 of 4 fields left"
+        "number 2 of 'PBEnvelope' kept the name 'gps' (Gps), but the content of 'Gps' was replaced: 1 of 4 fields left"
     )
     assert lines[3:9] == [
         "message Gps { message Gps {",
