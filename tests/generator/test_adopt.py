@@ -200,6 +200,7 @@ message Frame { oneof kind { Batch batch = 1; Imu ping = 2; } oneof trailer { Gp
 """
 
 
+@pytest.mark.slow
 def test_the_outermost_message_is_the_envelope(tmp_path: Path) -> None:
     """Also where a larger oneof is inside a payload of it; the table names what else it could be."""
     plant(tmp_path / "protos", {"frame.proto": _NESTED})

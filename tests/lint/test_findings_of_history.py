@@ -122,6 +122,7 @@ def test_a_narrow_terminal_gets_one_below_the_other(
     assert max(map(len, shown)) <= int(columns)
 
 
+@pytest.mark.slow
 def test_replaced_contents_show_the_fields_that_differ(link: Link) -> None:
     """Both contents of a message that kept its name, without the fields that both have, in rows of one number."""
     link.commit("Begin again", e=("Gps gps = 2;",))

@@ -97,6 +97,7 @@ def _round_trip(message: Message) -> None:
         assert cdr.encode(cdr.decode(type(message), data)) == expected
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(messages(Everything))
 def test_every_kind_of_field_both_ways(message: Everything) -> None:

@@ -108,8 +108,8 @@ class LaunchImports(MetaPathFinder, Loader):
     def find_spec(
         self,
         fullname: str,
-        path: Sequence[str] | None,
-        target: ModuleType | None = None,  # noqa: ARG002  # of the base
+        path: Sequence[str] | None,  # noqa: ARG002  # of the base
+        target: ModuleType | None = None,  # noqa: ARG002
     ) -> ModuleSpec | None:
         """Return the specification of a module that nothing else has found; None if the import is to fail."""
         top, parent = fullname.partition(".")[0], fullname.rpartition(".")[0]
