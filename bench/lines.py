@@ -139,7 +139,10 @@ def _cost(name: str, line: Line, limit: int | None, seconds: float) -> Cost:
 
 
 def _send(write: Write, bridge: Bridge, limit: int | None, end: float) -> float:
-    """Send samples until a time and until one has arrived, at most so many bytes a second; return this thread's CPU time, s."""
+    """Send samples until a time, and until one has arrived; return the CPU time of this thread in seconds.
+
+    ``limit`` is the number of bytes that the line carries in a second.
+    """
     cpu, began, sent, first = time.thread_time(), time.perf_counter(), 0, bridge.account.received
     interval = len(encode_frame(_SAMPLE)) / limit if limit else 0.0
     while (now := time.perf_counter()) < end or bridge.account.received == first:
