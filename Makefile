@@ -3,9 +3,13 @@
 PYTHON ?= python3
 OPENCV ?=
 VENV ?= $(if $(OPENCV),.venv-opencv-$(OPENCV),.venv)
+# The environment that has all packages also serves what needs fewer.
+ready = $(VENV)/ready-$(if $(wildcard $(VENV)/ready-full),full,$1)
 OPENCV_PIN := $(if $(OPENCV),'opencv-contrib-python-headless==$(OPENCV).*') $(if $(filter 4.8 4.9,$(OPENCV)),'numpy<2')
 BIN := $(VENV)/bin
 PYTEST := $(BIN)/pytest -n auto --dist worksteal --durations=10
+# The default tests, and the slow ones whose answer may differ with the version of OpenCV.
+OF_OPENCV := -m 'opencv or not (slow or exhaustive)'
 ROS2 ?=
 SOAK_SECONDS ?= 600
 SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
@@ -13,7 +17,6 @@ FUZZ_SECONDS ?= 60
 # Without the compiled modules, each program that a test starts compiles all of roverlink again.
 unexport PYTHONDONTWRITEBYTECODE
 RUNTIME_INTERFACES := roverlink.generator.emit.targets.python.runtime_interfaces
-HAND_WRITTEN := generator runtime roverlink rover check_launch bench tests docs conftest.py hatch_build.py
 # `make dist` compiles the native core for these, too, each with the cross compiler of Debian and Ubuntu.
 CROSS := $(filter-out $(shell uname -m),aarch64)
 # An editable install compiles the native core from these.
@@ -24,11 +27,11 @@ NATIVE := hatch_build.py native/flags $(wildcard native/include/roverlink/*.h na
 help:  ## this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
 
-demo: $(VENV)/ready-demo  ## bridge all messages on loopback for 15 s, shown live
+demo: $(call ready,demo)  ## bridge all messages on loopback for 15 s, shown live
 	$(BIN)/roverlink demo
 
-test: $(VENV)/ready-dev  ## the tests
-	$(PYTEST)
+test: $(call ready,$(if $(OPENCV),vision,dev))  ## the tests; OPENCV=4.8 with that version of OpenCV
+	$(PYTEST) $(if $(OPENCV),$(OF_OPENCV))
 
 test-all: $(VENV)/ready-full  ## the tests, the slow ones too, with all optional packages
 	$(PYTEST) -m 'slow or not exhaustive'
@@ -37,8 +40,8 @@ exhaustive: $(VENV)/ready-full  ## thousands of random histories, every change o
 	$(PYTEST) -m exhaustive
 	$(MAKE) soak SOAK_SECONDS=3600
 
-test-vision: $(VENV)/ready-vision  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV
-	$(PYTEST) -m 'opencv or not (slow or exhaustive)' rover/tests/vision rover/tests/programs/test_aruco_track.py rover/tests/programs/test_aruco_calibrate.py rover/tests/programs/test_objects_*.py rover/tests/programs/test_video.py
+test-vision: $(call ready,vision)  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV
+	$(PYTEST) $(OF_OPENCV) rover/tests/vision rover/tests/programs/test_aruco_track.py rover/tests/programs/test_aruco_calibrate.py rover/tests/programs/test_objects_*.py rover/tests/programs/test_video.py
 
 test-ros2:  ## the bridge against a real ROS 2 from PyPI, Jazzy and Kilted; ROS2=jazzy for one of them
 	$(PYTHON) tests/ros2/run.py $(ROS2)
@@ -57,10 +60,10 @@ dist: $(VENV)/ready-dist  ## build the sdists of the three products, and from th
 test-dist: dist  ## the wheel and the sdist in an empty environment and an empty folder: the three jobs of a user
 	$(BIN)/python tests/distribution/smoke.py dist
 
-ros-package: $(VENV)/ready-dev  ## build generated/ros and rover/navigation with colcon and rosidl, which have to be installed, and use them
+ros-package: $(call ready,dev)  ## build generated/ros and rover/navigation with colcon and rosidl, which have to be installed, and use them
 	$(BIN)/python tests/ros/build.py
 
-soak: $(VENV)/ready  ## five minutes of datagrams for the sample rover, and five with all of the table switched on: each accounted for, in flat memory
+soak: $(call ready,standard)  ## five minutes of datagrams for the sample rover, and five with all of the table switched on: each accounted for, in flat memory
 	$(BIN)/roverlink simulate --bridge dds --rate 20000 --seconds $$(($(SOAK_SECONDS) / 2)) $(SOAK_FAULTS)
 	$(BIN)/python tests/soak/full_project.py build/soak
 	$(BIN)/roverlink simulate --project build/soak --bridge dds --rate 5000 --seconds $$(($(SOAK_SECONDS) / 2)) \
@@ -70,13 +73,13 @@ fuzz: $(VENV)/ready-fuzz  ## every parser of bytes from outside, a minute each
 	for target in datagram trailing-zeros sample message native-payload native-message; do \
 		$(BIN)/python tests/fuzz $$target -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
-fuzz-native: $(VENV)/ready-dev  ## both directions of the native core and its reception, each with two tables for a minute, with sanitizers; needs clang
+fuzz-native: $(call ready,dev)  ## both directions of the native core and its reception, each with two tables for a minute, with sanitizers; needs clang
 	for door in to_cdr to_proto receive; do \
 		$(BIN)/python tests/fuzz/native_core.py $$door -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
 lint: $(VENV)/ready-full  ## ruff, black, mypy --strict, whether generated/ is what mapping.yaml says, and the numbers
 	$(BIN)/ruff check .
-	$(BIN)/black --quiet --check --diff $(HAND_WRITTEN)
+	$(BIN)/ruff format --check --diff .
 	$(BIN)/black --quiet --check --diff --line-length 88 generated
 	$(BIN)/mypy
 	$(BIN)/python -m $(RUNTIME_INTERFACES) --check
@@ -100,15 +103,15 @@ pictures: $(VENV)/ready-bench-vision  ## the pictures and the recording in rover
 	$(BIN)/python -m rover.bench.vision.page_pictures
 	$(BIN)/python -m bench.link_page_pictures
 
-generate: $(VENV)/ready  ## compile mapping.yaml, and write the classes of runtime/interfaces
+generate: $(call ready,standard)  ## compile mapping.yaml, and write the classes of runtime/interfaces
 	$(BIN)/python -m $(RUNTIME_INTERFACES)
 	$(BIN)/roverlink generate
 
-docs: $(VENV)/ready-docs  ## build the documentation site in build/site; fails on dead links
+docs: $(call ready,docs)  ## build the documentation site in build/site; fails on dead links
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "open build/site/index.html in a browser"
 
-docs-reference: $(VENV)/ready  ## write the reference tables in docs/ from the code: keys, parameters, rules
+docs-reference: $(call ready,standard)  ## write the reference tables in docs/ from the code: keys, parameters, rules
 	$(BIN)/python docs/site/committed_tables.py
 
 clean:  ## remove what was made here, the environment included
@@ -122,8 +125,8 @@ $(VENV)/bin/python:
 		{ rm -rf $(VENV); echo "$(PYTHON) cannot make environments; on Debian and Ubuntu: apt-get install python3-venv"; exit 2; }
 
 # What each environment needs, and its size on the disk in megabytes.
-$(VENV)/ready: PACKAGES = '.[standard]'
-$(VENV)/ready: SIZE = 200
+$(VENV)/ready-standard: PACKAGES = '.[standard]'
+$(VENV)/ready-standard: SIZE = 200
 $(VENV)/ready-demo: PACKAGES = '.[standard]' './rover[detect,video]'
 $(VENV)/ready-demo: SIZE = 750
 $(VENV)/ready-dev: PACKAGES = '.[dev]' './rover[vision]' ./check_launch
@@ -148,8 +151,8 @@ $(VENV)/ready-dist: | $(VENV)/bin/python
 	@$(BIN)/python -m pip install --disable-pip-version-check build
 	@touch $@
 
-# Not --quiet: pip shows the progress of each download.
-$(addprefix $(VENV)/,ready ready-demo ready-dev ready-full ready-vision ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml rover/pyproject.toml check_launch/pyproject.toml $(NATIVE) | $(VENV)/bin/python
+# Not --quiet: pip shows the progress of each download. --no-compile: most modules of the packages are never imported.
+$(addprefix $(VENV)/,ready-standard ready-demo ready-dev ready-full ready-vision ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml rover/pyproject.toml check_launch/pyproject.toml $(NATIVE) | $(VENV)/bin/python
 	@echo "installing in $(VENV): about $(SIZE) MB on the disk; the first time, this can take minutes"
-	@$(BIN)/python -m pip install --disable-pip-version-check $(addprefix --editable ,$(PACKAGES)) $(OPENCV_PIN)
+	@$(BIN)/python -m pip install --disable-pip-version-check --no-compile $(addprefix --editable ,$(PACKAGES)) $(OPENCV_PIN)
 	@touch $@

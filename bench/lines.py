@@ -139,10 +139,13 @@ def _cost(name: str, line: Line, limit: int | None, seconds: float) -> Cost:
 
 
 def _send(write: Write, bridge: Bridge, limit: int | None, end: float) -> float:
-    """Send samples until a time, at most so many bytes a second; return the CPU time of this thread in seconds."""
+    """Send samples until a time, and until one has arrived; return the CPU time of this thread in seconds.
+
+    ``limit`` is the number of bytes that the line carries in a second.
+    """
     cpu, began, sent, first = time.thread_time(), time.perf_counter(), 0, bridge.account.received
     interval = len(encode_frame(_SAMPLE)) / limit if limit else 0.0
-    while (now := time.perf_counter()) < end:
+    while (now := time.perf_counter()) < end or bridge.account.received == first:
         if now < began + sent * interval or sent - (bridge.account.received - first) >= _WINDOW:
             time.sleep(_PAUSE_S)
         else:

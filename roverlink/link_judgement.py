@@ -131,8 +131,9 @@ def _of_links(ends: Sequence[tuple[str, Mapping[str, Any]]]) -> Iterator[tuple[s
     for owner, end in ends:
         if end["differing"]:
             text = f"{end['name']} runs other protos: {', '.join(end['differing'])} may be misread"
-            yield f"schema {owner}", Condition(
-                "WARN", text, "Do not drive with it. Flash it, or see `roverlink doctor`."
+            yield (
+                f"schema {owner}",
+                Condition("WARN", text, "Do not drive with it. Flash it, or see `roverlink doctor`."),
             )
     for owner, end in ends:
         if end["loss_level"] != "OK":

@@ -54,7 +54,7 @@ def test_the_bench_measures_every_section_without_compilers(tmp_path: Path) -> N
     assert {("full", "roverlink"), ("outbound", "roverlink")} <= _contestants(tmp_path, str(programs))
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.skipif(not shutil.which("idlc"), reason="cyclonedds-tools is not installed")
 def test_the_bench_measures_every_section_with_compilers(tmp_path: Path) -> None:
     """The bridge in C++ takes part too."""

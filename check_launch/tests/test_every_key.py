@@ -143,6 +143,7 @@ def _missed_in(files: Iterable[str], sample: int | None = None) -> tuple[set[str
     return missed, count
 
 
+@pytest.mark.slow
 def test_changes_of_keys_are_found() -> None:
     """A sample of the changes of one character in the parameters of the IMU's filter gives a finding each."""
     assert _missed_in(["rover/navigation/config/imu_filter.yaml"], sample=20)[0] == set()

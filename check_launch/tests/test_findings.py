@@ -453,7 +453,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters(
             "controller_server",
             "controller_plugins: [F]",
-            "F: {plugin: 'dwb_core::DWBLocalPlanner', " "critics: [BaseObstacles]}",
+            "F: {plugin: 'dwb_core::DWBLocalPlanner', critics: [BaseObstacles]}",
         ),
         ["error PLG101 did you mean 'BaseObstacle'?"],
     ),

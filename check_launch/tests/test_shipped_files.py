@@ -68,6 +68,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Project:
     return Project(tmp_path, with_own_programs(read_catalogue("humble"), tmp_path / "mapping.yaml"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "launch_file",
     sorted(
@@ -112,6 +113,7 @@ def _edited(text: str, at: int, kind: int) -> str:
     )[kind]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [3, pytest.param(None, marks=pytest.mark.exhaustive)])
 def test_misspelt_keys_are_found(count: int | None, project: Project) -> None:
     """Some keys of the shipped parameter files, or all of them, with one wrong letter each give a finding."""

@@ -77,6 +77,7 @@ def generate_launch_description():
 _EXPECTED = [("LCH108", 11), ("PAR101", 12), ("PAR101", 14), ("PAR104", 14)]
 
 
+@pytest.mark.slow
 def test_own_packages_are_read_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Nodes in Python and C++ have the parameters that they declare; a node that gives itself away may have more.
 

@@ -201,9 +201,9 @@ def _protoc_findings(output: str, staged: Path, shown_root: str) -> list[Diagnos
     imported = {match["file"] for error in errors if (match := BROKEN_IMPORT.fullmatch(error.text))}
     missing_names = _declared_in(broken & imported, staged)
     imports: dict[str, list[Span]] = {}  # by file: the places where its broken imports are reported
-    importers: dict[str, list[Span]] = (
-        {}
-    )  # by protoc's message, which names the missing file: the places of its imports
+    importers: dict[
+        str, list[Span]
+    ] = {}  # by protoc's message, which names the missing file: the places of its imports
     places: dict[Span, list[str]] = {}
     for error in errors:
         if not _is_consequence(error, broken, imported, missing_names):

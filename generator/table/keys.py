@@ -233,8 +233,7 @@ class ProtoSettings(Part):
     exclude: Annotated[
         tuple[Annotated[str, Text(".proto file", r"[^\\]+\.proto", "components/common/message_types.proto")], ...],
         Meaning(
-            "Files, relative to the root, that are never compiled. Messages that are declared in them cannot "
-            "be used."
+            "Files, relative to the root, that are never compiled. Messages that are declared in them cannot be used."
         ),
     ] = ()
 

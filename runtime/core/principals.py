@@ -101,8 +101,7 @@ class Speakers:
         self.unsigned = Principal(None, tuple(end for end in ends if end.peer not in must_sign))
         """Principal of a link message without a signature."""
         self.signed = {
-            signer.board
-            or signer.peer: Principal(
+            signer.board or signer.peer: Principal(
                 signer, tuple(end for end in ends if end.peer == signer.peer and signer.board in ("", end.board))
             )
             for signer in self.rows.own

@@ -53,13 +53,17 @@ class _StateCollector(Collector):
 
 def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     """Yield name, help text and samples of each metric except the histogram. Names of counters end in ``_total``."""
-    yield "info", "Node name, and fingerprint of its table.", [
-        ({"node": state.node, "fingerprint": state.fingerprint}, 1)
-    ]
+    yield (
+        "info",
+        "Node name, and fingerprint of its table.",
+        [({"node": state.node, "fingerprint": state.fingerprint}, 1)],
+    )
     yield "received_total", "Datagrams read from the socket.", [({}, state.received)]
-    yield "kernel_drops_total", "Datagrams that the kernel dropped because the receive buffer was full.", [
-        ({}, state.kernel_drops)
-    ]
+    yield (
+        "kernel_drops_total",
+        "Datagrams that the kernel dropped because the receive buffer was full.",
+        [({}, state.kernel_drops)],
+    )
     yield "dropped_total", "Datagrams that were not bridged.", _by("reason", state.dropped)
     yield "forwarded_total", "Raw datagrams forwarded to a peer.", _by("peer", state.forwarded)
     yield "unsent_total", "Datagrams that the network refused to send.", _by("peer", state.unsent)
@@ -68,56 +72,86 @@ def _families(state: State) -> Iterator[tuple[str, str, Samples]]:
     yield "budget_bytes_per_second", "Budget of a peer.", [({"peer": name}, one.limit) for name, one in budgets]
     sent = "Bytes sent to a peer with a budget, with the headers of IP and UDP."
     yield "budget_sent_bytes_total", sent, [({"peer": name}, one.sent) for name, one in budgets]
-    yield "withheld_total", "Datagrams that limits of forwards kept from a peer.", [
-        ({"peer": peer, "payload": payload, "reason": reason}, count)
-        for (peer, payload, reason), count in sorted(state.withheld.items())
-    ]
-    yield "undelivered_total", "Datagrams to a peer or board that did not leave, because of its line or budget.", [
-        ({"peer": peer, "board": board, "reason": reason}, count)
-        for (peer, board, reason), count in sorted(state.undelivered.items())
-    ]
-    yield "damaged_total", "Frames that were damaged on the line of a peer or board.", [
-        ({"peer": peer, "board": board}, count) for (peer, board), count in sorted(state.damaged.items())
-    ]
+    yield (
+        "withheld_total",
+        "Datagrams that limits of forwards kept from a peer.",
+        [
+            ({"peer": peer, "payload": payload, "reason": reason}, count)
+            for (peer, payload, reason), count in sorted(state.withheld.items())
+        ],
+    )
+    yield (
+        "undelivered_total",
+        "Datagrams to a peer or board that did not leave, because of its line or budget.",
+        [
+            ({"peer": peer, "board": board, "reason": reason}, count)
+            for (peer, board, reason), count in sorted(state.undelivered.items())
+        ],
+    )
+    yield (
+        "damaged_total",
+        "Frames that were damaged on the line of a peer or board.",
+        [({"peer": peer, "board": board}, count) for (peer, board), count in sorted(state.damaged.items())],
+    )
     ahead = "Signed datagrams that were accepted more than a minute ahead of this computer's clock."
     yield "clocks_ahead_total", ahead, _by("signer", state.clocks_ahead)
-    yield "link_events_total", "Events of the addresses of peers and boards.", [
-        ({"peer": peer, "board": board, "event": event}, count)
-        for (peer, board, event), count in sorted(state.link_events.items())
-    ]
+    yield (
+        "link_events_total",
+        "Events of the addresses of peers and boards.",
+        [
+            ({"peer": peer, "board": board, "event": event}, count)
+            for (peer, board, event), count in sorted(state.link_events.items())
+        ],
+    )
     ends = [({"peer": end_state.end.peer, "board": end_state.end.board}, end_state) for end_state in state.ends]
-    yield "link_ok", "1 if the address of the peer or board is known and reachable, else 0.", [
-        (labels, end.link == "ok") for labels, end in ends
-    ]
-    yield "silent", "1 if the peer or board has sent messages, but is silent now, else 0.", [
-        (labels, end.liveness.state == "silent") for labels, end in ends
-    ]
+    yield (
+        "link_ok",
+        "1 if the address of the peer or board is known and reachable, else 0.",
+        [(labels, end.link == "ok") for labels, end in ends],
+    )
+    yield (
+        "silent",
+        "1 if the peer or board has sent messages, but is silent now, else 0.",
+        [(labels, end.liveness.state == "silent") for labels, end in ends],
+    )
     yield from _clock_families([(labels, end.clock) for labels, end in ends if end.clock is not None])
-    yield "qos_mismatches", "Publishers and subscriptions of other nodes whose QoS does not match.", _by(
-        "topic", state.qos_mismatches
+    yield (
+        "qos_mismatches",
+        "Publishers and subscriptions of other nodes whose QoS does not match.",
+        _by("topic", state.qos_mismatches),
     )
     yield "socket_waiting_bytes", "Bytes waiting in the socket's receive buffer.", [({}, state.socket_waiting)]
     yield "socket_size_bytes", "Size of the socket's receive buffer.", [({}, state.socket_size)]
     rows = [({"row": row.name, "number": row.number, "direction": row.direction}, row) for row in state.rows]
     yield "crossed_total", "Messages bridged, by row.", [(labels, row.count) for labels, row in rows]
-    yield "row_dropped_total", "Messages of a row that were not bridged.", [
-        ({**labels, "reason": reason}, count) for labels, row in rows for reason, count in row.dropped.items()
-    ]
+    yield (
+        "row_dropped_total",
+        "Messages of a row that were not bridged.",
+        [({**labels, "reason": reason}, count) for labels, row in rows for reason, count in row.dropped.items()],
+    )
     yield "rate", "Messages a second, averaged over two seconds.", [(labels, row.rate) for labels, row in rows]
-    yield "age_seconds", "Seconds since the row's last message.", [
-        (labels, row.age) for labels, row in rows if row.age is not None
-    ]
-    yield "expected_rate", "Messages a second that the table expects (expect_rate).", [
-        (labels, row.expect_rate) for labels, row in rows if row.expect_rate is not None
-    ]
+    yield (
+        "age_seconds",
+        "Seconds since the row's last message.",
+        [(labels, row.age) for labels, row in rows if row.age is not None],
+    )
+    yield (
+        "expected_rate",
+        "Messages a second that the table expects (expect_rate).",
+        [(labels, row.expect_rate) for labels, row in rows if row.expect_rate is not None],
+    )
     yield "level", "State of the row: 0 OK, 1 WARN, 2 ERROR, 3 STALE.", [(labels, row.level) for labels, row in rows]
     guarded = [(labels, row) for labels, row in rows if row.stops is not None]
-    yield "stops_total", "Stops sent because the row's topic was silent (deadman).", [
-        (labels, row.stops or 0) for labels, row in guarded
-    ]
-    yield "stopping", "1 if a stop was sent after the row's last message, else 0.", [
-        (labels, row.stopping) for labels, row in guarded
-    ]
+    yield (
+        "stops_total",
+        "Stops sent because the row's topic was silent (deadman).",
+        [(labels, row.stops or 0) for labels, row in guarded],
+    )
+    yield (
+        "stopping",
+        "1 if a stop was sent after the row's last message, else 0.",
+        [(labels, row.stopping) for labels, row in guarded],
+    )
     yield from _link_families(state)
     if recording := state.recording:
         yield "recording_bytes_total", "Bytes of the recording written to disk.", [({}, recording.bytes)]
@@ -137,12 +171,16 @@ def _clock_families(clocks: Sequence[tuple[Mapping[str, Any], ClockReport]]) -> 
     """Yield the metrics of the clocks of boards that stamp messages. Their names begin with ``board_clock_``."""
     if not clocks:
         return
-    yield "board_clock_known", "1 if stamps are times of measuring, by the clock of the board, else 0.", [
-        (labels, not clock.problem) for labels, clock in clocks
-    ]
-    yield "board_clock_restarts_total", "Starts of the board after the first one, as its clock shows.", [
-        (labels, clock.restarts) for labels, clock in clocks
-    ]
+    yield (
+        "board_clock_known",
+        "1 if stamps are times of measuring, by the clock of the board, else 0.",
+        [(labels, not clock.problem) for labels, clock in clocks],
+    )
+    yield (
+        "board_clock_restarts_total",
+        "Starts of the board after the first one, as its clock shows.",
+        [(labels, clock.restarts) for labels, clock in clocks],
+    )
     for name, help in _CLOCK_HELP.items():
         found = [(labels, getattr(clock, name.removesuffix("_seconds"))) for labels, clock in clocks]
         yield f"board_clock_{name}", help, [(labels, value) for labels, value in found if value is not None]
@@ -168,17 +206,23 @@ def _link_families(state: State) -> Iterator[tuple[str, str, Samples]]:
     if not state.links:
         return
     ends = [({"peer": report.end.peer, "board": report.end.board}, report) for report in state.links]
-    yield "link_schema_differs", "Rows whose schema differs at the end.", [
-        (labels, len(report.differing)) for labels, report in ends if report.schema != UNKNOWN
-    ]
-    yield "link_restarts_total", "Starts of the end's program after the first one.", [
-        (labels, report.restarts) for labels, report in ends
-    ]
+    yield (
+        "link_schema_differs",
+        "Rows whose schema differs at the end.",
+        [(labels, len(report.differing)) for labels, report in ends if report.schema != UNKNOWN],
+    )
+    yield (
+        "link_restarts_total",
+        "Starts of the end's program after the first one.",
+        [(labels, report.restarts) for labels, report in ends],
+    )
     for name, help in _LINK_HELP.items():
         key = name.removesuffix("_total").removesuffix("_seconds")
-        yield f"link_{name}", help, [
-            (labels, measured[key]) for labels, report in ends if key in (measured := report.measured())
-        ]
+        yield (
+            f"link_{name}",
+            help,
+            [(labels, measured[key]) for labels, report in ends if key in (measured := report.measured())],
+        )
 
 
 def _by(label: str, counts: Mapping[str, int]) -> Samples:

@@ -75,8 +75,9 @@ class PayloadWriting:
         condition, expected = NONE, 0
         if "which" in one:
             which = whiches[one["which"]]
-            condition, expected = frame.slots[joined(path, which["ros"])], getattr(
-                message, which["choices"][proto.name]
+            condition, expected = (
+                frame.slots[joined(path, which["ros"])],
+                getattr(message, which["choices"][proto.name]),
             )
         elif "presence" in one:
             condition, expected = frame.slots[joined(path, one["presence"])], 1

@@ -110,6 +110,7 @@ def test_a_recording_carries_steady_and_wall_time(run: Path, jump: int) -> None:
     assert times == [message.log_time for message in found]
 
 
+@pytest.mark.slow
 def test_every_part_of_a_recording_knows_the_jump(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     """A part that begins after the jump says it, too, and all parts together say it once."""
     with pytest.MonkeyPatch.context() as patch:

@@ -81,6 +81,7 @@ def test_datagrams_with_faults_are_dropped_for_their_reasons() -> None:
     assert set(malformed) >= reasons | {PUBLISHED}
 
 
+@pytest.mark.slow
 def test_padded_means_what_the_stream_means() -> None:
     """Padding and stripping change bytes, and no envelope."""
     plain, padded = _first(1000), _first(1000, "padded")
@@ -109,6 +110,7 @@ def test_reboot_is_a_silence_and_a_start_at_zero() -> None:
     assert said.accel_x == pytest.approx(newborn.accel_x, abs=1.0)
 
 
+@pytest.mark.slow
 def test_a_bridge_in_memory_adds_up(called: Called) -> None:
     """Every scenario at once; each datagram is found, as published or with the reason of its drop."""
     scenarios = itertools.chain.from_iterable(("--scenario", name) for name in _FAULTS)

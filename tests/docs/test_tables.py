@@ -87,7 +87,7 @@ _JUDGEMENT = (ROOT / "roverlink/link_judgement.py").read_text(encoding="utf-8")
             "parameter",
             [one.name for one in (*tracker_declaration.NODE.parameters, USE_SIM_TIME)],
         ),
-        ("docs/field-day.md", "alarm", re.findall(r'yield f?"(\w+)', _JUDGEMENT)),
+        ("docs/field-day.md", "alarm", re.findall(r'yield (?:\(\s*)?f?"(\w+)', _JUDGEMENT)),
         ("docs/targets.md", "target", targets.names()),
         ("docs/nothing-arrives.md", "reason", _REASONS),
         ("docs/security.md", "counted as", _REASONS[_REASONS.index("unsigned") : _REASONS.index("ahead") + 1]),

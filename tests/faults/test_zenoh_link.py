@@ -77,8 +77,9 @@ class _Rig(contextlib.ExitStack):
                 yield given, time.monotonic() - self.began - given
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("cut_s", [3.0, pytest.param(60.0, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize(
+    "cut_s", [pytest.param(3.0, marks=pytest.mark.slow), pytest.param(60.0, marks=pytest.mark.exhaustive)]
+)
 def test_no_command_of_a_gap_is_obeyed(environment: dict[str, str], cut_s: float) -> None:
     """In the gap the board is told to stop; afterwards it gets new commands, and none that the link held back."""
     with _Rig(environment) as rig:

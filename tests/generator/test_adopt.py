@@ -200,6 +200,7 @@ message Frame { oneof kind { Batch batch = 1; Imu ping = 2; } oneof trailer { Gp
 """
 
 
+@pytest.mark.slow
 def test_the_outermost_message_is_the_envelope(tmp_path: Path) -> None:
     """Also where a larger oneof is inside a payload of it; the table names what else it could be."""
     plant(tmp_path / "protos", {"frame.proto": _NESTED})
@@ -247,7 +248,8 @@ def test_names_that_ros_refuses_are_replaced(tmp_path: Path) -> None:
     assert not any("\x1b" in text for text in adoption.compiled.files.values())
 
 
-_FAULTY = {"envelope.proto": """
+_FAULTY = {
+    "envelope.proto": """
 syntax = "proto3";
 message Ring { Pair pair = 1; int32 size = 2; }
 message Pair { Ring ring = 1; bool on = 2; bool On = 3; }
@@ -255,7 +257,8 @@ message Holder { Part part = 1; Part none = 2; int32 kept = 3; }
 message Part { Deep deep = 1; }
 message Deep { Deep again = 1; }
 message E { oneof payload { Ring ring = 1; Pair pair = 2; Holder holder = 3; } }
-"""}
+"""
+}
 
 
 def test_a_fault_is_put_down_to_the_fields_that_have_it(tmp_path: Path) -> None:

@@ -134,6 +134,7 @@ def test_what_cannot_be_added_leaves_everything(
     assert snapshot(two_payloads) == before
 
 
+@pytest.mark.slow
 def test_in_an_envelope_of_another_the_number_is_the_member_s(two_payloads: Path) -> None:
     """Where the envelope has the member already, its number stands there; where it does not, nothing is added."""
     table, envelope = two_payloads / "mapping.yaml", two_payloads / "proto" / "envelope.proto"
@@ -217,6 +218,7 @@ def test_a_number_that_no_row_has() -> None:
         with_retired(_HEAD + _ROWS, 7, "mapping.yaml")
 
 
+@pytest.mark.slow
 def test_retiring_generates(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The envelope reserves number and name, the ledger says so, the handler goes; the drift check is content."""
     with inside(project):

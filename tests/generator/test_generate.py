@@ -60,6 +60,7 @@ def test_an_envelope_that_moves_leaves_nothing_behind(project: Path) -> None:
     assert {path for path in gone if path.startswith("proto/")} == {"proto/envelope.proto"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("root", "folder"), [(".", ""), ("./proto/", "proto"), ("proto/../proto", "proto")])
 def test_the_proto_root_may_be_spelled_in_any_way(root: str, folder: str, tmp_path: Path) -> None:
     """The envelope stays, and so do files elsewhere in the project that carry the header of generated files."""
@@ -92,6 +93,7 @@ def test_the_nearest_table_above_is_compiled(project: Path) -> None:
     assert generate(below).code == 2
 
 
+@pytest.mark.slow
 def test_an_unchanged_run_writes_nothing(project: Path) -> None:
     """No file is touched where the table has not changed, and none tells where the project was generated."""
     for path in project.rglob("*"):
@@ -119,6 +121,7 @@ def test_a_mistake_in_a_row_is_not_the_end_of_its_payload(project: Path, old: st
 # --- files that go, and files that are not ours -----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_files_of_a_row_that_is_gone_are_removed(project: Path) -> None:
     """A renamed row leaves nothing behind, neither files nor empty folders, compiled modules included."""
     compiled = project / "generated" / "ros" / "rover" / "launch" / "__pycache__"
@@ -137,6 +140,7 @@ def test_files_of_a_row_that_is_gone_are_removed(project: Path) -> None:
     assert snapshot(fresh) == snapshot(project)
 
 
+@pytest.mark.slow
 def test_files_of_the_user_stay(project: Path) -> None:
     """What users put beside the generated files is left alone, and so are those of another project or repository."""
     theirs = {
@@ -156,6 +160,7 @@ def test_files_of_the_user_stay(project: Path) -> None:
     assert generate(project, "--check").code == 0
 
 
+@pytest.mark.slow
 def test_overwriting_is_asked_for(project: Path) -> None:
     """A user's file in the place of a generated one stays until the user says `--overwrite`."""
     theirs = project / "docs" / "messages.md"
@@ -212,6 +217,7 @@ def test_a_vendored_runtime_goes_whole(project: Path) -> None:
     assert not [*project.rglob("vendor")]
 
 
+@pytest.mark.slow
 def test_an_envelope_outside_the_project_is_not_written(tmp_path: Path) -> None:
     """With `root: ..` the envelope is another project's: it is neither replaced, nor removed, nor shown by --check."""
     project = case("nested").write_inputs(tmp_path / "project")
@@ -273,6 +279,7 @@ def test_a_pipe_in_the_place_of_a_file_is_a_finding(project: Path) -> None:
 # --- the check --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("git") is None, reason="need git (apt-get install git)")
 def test_the_diff_of_check_is_the_cure(project: Path) -> None:
     """Whatever differs is exit code 1 and part of a diff; applied as a patch, this makes all as the table says."""

@@ -78,6 +78,7 @@ def _killed_before(project: Path, event: str, count: int, *arguments: str) -> No
 _NEXT = [("generate", "--check"), ("lint",), ("explain", "arm")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [*_NEXT, ("send", "arm")])
 def test_the_next_command_rolls_back_what_was_only_prepared(project: Path, command: tuple[str, ...]) -> None:
     """Killed before its journal is complete, generate has changed nothing; the next command removes its leftovers."""
@@ -102,6 +103,7 @@ def test_the_next_command_completes_the_switch(
     assert snapshot(project) == finished
 
 
+@pytest.mark.slow
 def test_a_project_that_was_never_finished_is_found(tmp_path: Path) -> None:
     """After a killed `init`, there may be no mapping.yaml yet; the next command starts with the journal."""
     _killed_before(tmp_path, "os.rename", 2, "init")
@@ -122,6 +124,7 @@ def test_what_was_edited_since_is_left_as_it_is(project: Path, finished: dict[st
     assert snapshot(project) == {**finished, "generated/registry.py": b"# edited by hand\n"}
 
 
+@pytest.mark.slow
 def test_a_switch_that_cannot_be_completed_is_rolled_back(project: Path) -> None:
     """If a file cannot be replaced after a kill, the files that were replaced before get their old content back."""
     before = snapshot(project)

@@ -25,6 +25,7 @@ def _read(file: Path) -> tuple[lock.Ledger, list[str]]:
     return read, [finding.rule.id for finding in findings]
 
 
+@pytest.mark.slow
 def test_a_field_that_is_gone_stays_known(project: Path) -> None:
     """Its line stays, marked; when the field comes back, the mark goes."""
     file, ledger = project / "proto" / "arm.proto", project / "mapping.lock"
@@ -79,6 +80,7 @@ def test_every_edit_by_hand_is_noticed(tmp_path_factory: pytest.TempPathFactory,
     assert set(rules) <= {"LED102", "LED103"}
 
 
+@pytest.mark.slow
 def test_a_deleted_ledger_is_noticed(project: Path) -> None:
     """As long as git has it, nothing is generated without it; a project that never had one begins with none."""
     lock = project / "mapping.lock"
@@ -134,6 +136,7 @@ def test_a_retired_row_does_not_come_back_with_another_peer(tmp_path: Path) -> N
     assert generate(project).code == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "sent", ['text: "a\\nb"', 'text: "a: b\\u2028\\u00e9 retired"', "mode: HOLD, grip.force: -1.5"]
 )

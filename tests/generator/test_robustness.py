@@ -81,6 +81,7 @@ def test_any_table_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPath
     assert table is None or table.whole == (not reported)
 
 
+@pytest.mark.slow
 @_EXAMPLES
 @given(st.one_of(_mutated(_LEDGER), st.binary(max_size=200)))
 def test_any_ledger_is_read_or_found_fault_with(tmp_path_factory: pytest.TempPathFactory, text: bytes) -> None:

@@ -27,6 +27,7 @@ def _project(folder: Path, budget: str = "200 kB/s", rate: int = 5, again: str =
     write_project(_TABLE.format(package=package, budget=budget, rate=rate, again=again), folder)
 
 
+@pytest.mark.slow
 def test_generated_code_has_the_limits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A plain name of a forward has none; the page of the messages tells them, and the ledger what peers rely on."""
     monkeypatch.chdir(tmp_path)

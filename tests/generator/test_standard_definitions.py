@@ -65,6 +65,7 @@ def test_what_is_known_is_about_fields() -> None:
             units.parse(unit)
 
 
+@pytest.mark.slow
 def test_the_classes_of_the_runtime_are_current() -> None:
     """The modules of runtime/interfaces are what the definitions say."""
     for path, text in runtime_interfaces.texts():

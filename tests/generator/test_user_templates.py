@@ -69,6 +69,7 @@ def _not_rendered(project: Path, bridge: Bridge) -> str:
     return said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "expression",
     [
@@ -93,6 +94,7 @@ def test_nothing_leads_from_the_bridge_to_pythons_internals(project: Path, bridg
     assert _not_rendered(project, bridge)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
@@ -125,6 +127,7 @@ def test_a_template_without_end_is_stopped(
     assert reason in _not_rendered(project, bridge)
 
 
+@pytest.mark.slow
 def test_a_template_that_fails_is_one_diagnostic(project: Path) -> None:
     """At its line, and nothing is written."""
     _plant(project, {"a.txt.j2": "{{ bridge.table }}\n{{ header.__globals__ }}\n"})
@@ -193,6 +196,7 @@ def test_the_table_names_no_folder_outside_the_project(project: Path, folder: st
     assert _refused(project).startswith("mapping.yaml:9:13: error[")
 
 
+@pytest.mark.slow
 def test_nothing_is_written_through_a_link_out_of_the_project(project: Path) -> None:
     """A link in the place of the folder of output would put a template's text anywhere on the machine."""
     _plant(project, {"authorized_keys.j2": "mine"})
@@ -205,6 +209,7 @@ def test_nothing_is_written_through_a_link_out_of_the_project(project: Path) -> 
     assert not list(outside.iterdir())
 
 
+@pytest.mark.slow
 def test_templates_include_templates_of_their_folder(project: Path) -> None:
     """Parts that several share are files of the folder without the suffix, or links to such; a name may be hidden."""
     _plant(project, {"a.txt.j2": "{% include 'parts/one' %}{% include 'two' %}", "parts/one": "{{ bridge.table }}\n"})

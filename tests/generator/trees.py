@@ -7,7 +7,8 @@ import subprocess
 from pathlib import Path
 
 # One file with everything, no package, names in camelCase, and comments that say who talks to whom.
-FLAT = {"messages.proto": """
+FLAT = {
+    "messages.proto": """
 syntax = "proto3";
 
 // Sent by the arm board, ten times a second.
@@ -28,7 +29,8 @@ message Envelope {
     Note note = 4;  // from the ground station
   }
 }
-"""}
+"""
+}
 
 # A folder a board, packages, and an envelope that holds its oneof and nothing else; a number was used and taken away.
 PACKAGES_BEFORE = {

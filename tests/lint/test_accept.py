@@ -396,6 +396,7 @@ def test_what_cannot_be_accepted(tree: Repository, arguments: list[str], said: s
     assert _status() == ""
 
 
+@pytest.mark.slow
 def test_a_rule_is_accepted_in_a_tree(tree: Repository) -> None:
     """A clash is one finding, which the file in the tree makes a known one, or `--exclude` leaves out."""
     tree.write(*_FIRST)

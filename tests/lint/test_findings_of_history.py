@@ -122,6 +122,7 @@ def test_a_narrow_terminal_gets_one_below_the_other(
     assert max(map(len, shown)) <= int(columns)
 
 
+@pytest.mark.slow
 def test_replaced_contents_show_the_fields_that_differ(link: Link) -> None:
     """Both contents of a message that kept its name, without the fields that both have, in rows of one number."""
     link.commit("Begin again", e=("Gps gps = 2;",))
@@ -131,8 +132,7 @@ def test_replaced_contents_show_the_fields_that_differ(link: Link) -> None:
     (finding,) = (text for text in link.text().split("\n\n") if "HIS103" in text)
     lines = [" ".join(line.split()) for line in finding.splitlines()]
     assert lines[0].endswith(
-        "number 2 of 'PBEnvelope' kept the name 'gps' (Gps), but the content of 'Gps' was replaced: "
-        "1 of 4 fields left"
+        "number 2 of 'PBEnvelope' kept the name 'gps' (Gps), but the content of 'Gps' was replaced: 1 of 4 fields left"
     )
     assert lines[3:9] == [
         "message Gps { message Gps {",

@@ -205,6 +205,7 @@ def test_an_envelope_that_does_not_compile(tree: Path, run: Run) -> None:
     assert "  help: correct the errors in envelope.proto\n" in out
 
 
+@pytest.mark.slow
 def test_an_envelope_named_without_its_package(tree: Path, run: Run, found: Found) -> None:
     """The last part of its name is enough, as long as there is one such message.
 

@@ -127,6 +127,7 @@ _ALL = {"WIR101", "WIR102", "FIELD_SAME_JSON_NAME", "FIELD_SAME_TYPE", "ENUM_VAL
 # --- what is shown ---
 
 
+@pytest.mark.slow
 @needs_buf
 def test_text_has_both_and_no_fault_twice(lint: Run) -> None:
     """Buf's findings have buf's names; of a field that ours is about, there is ours alone."""

@@ -149,6 +149,7 @@ def test_the_native_core_gives_the_same_bytes(tmp_path: Path) -> None:
     assert files[0].path.read_bytes() == files[1].path.read_bytes()
 
 
+@pytest.mark.slow
 def test_it_rotates_by_size(tmp_path: Path) -> None:
     """Files of about the size that was asked for, each complete and with its own schemas; together they are the run."""
     path = tmp_path / "run.mcap"
@@ -344,6 +345,7 @@ def test_a_defect_of_the_recorder_does_not_reach_the_bridge(tmp_path: Path, capl
     assert (tmp_path / "run.mcap").read_bytes().endswith(b"\x89MCAP0\r\n")  # the file has an end
 
 
+@pytest.mark.slow
 def test_any_cut_and_any_damage_is_read_up_to_there_or_told(tmp_path: Path) -> None:
     """Cut anywhere, a file gives a beginning of its messages; with any byte changed, that or an error."""
     path = tmp_path / "run.mcap"

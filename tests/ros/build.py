@@ -181,9 +181,9 @@ def _write_node(sources: Path, standards: list[str]) -> None:
     """A package that uses the C++ handlers."""
     library = _WORKSPACE / "cpp"
     shutil.rmtree(library, ignore_errors=True)
-    workspace.write_library(library)
+    bridge = workspace.write_library(library)
     _write_package(sources / "node", [REGISTRY.package, *standards], interface=False)
-    _write_cmake(sources / "node", workspace.cmake(library, REGISTRY.package))
+    _write_cmake(sources / "node", workspace.cmake(library, bridge))
     workspace.write_programs(sources / "node")
 
 

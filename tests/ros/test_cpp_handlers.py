@@ -18,20 +18,16 @@ from building import missing  # noqa: E402
 from golden import case  # noqa: E402
 from needs import NO_ROS  # noqa: E402
 
-_OTHERS = (
-    *("any_of", "awkward_names", "enums", "maps", "nested", "oneofs", "presence", "scalars", "standard_absences"),
-    *("standard_axes", "standard_enums", "standard_euler", "standard_own_messages", "standard_times", "standard_units"),
+_PROJECTS = (
+    *("any_of", "awkward_names", "cpp_handlers", "enums", "maps", "nested", "oneofs", "presence", "scalars"),
+    *("standard_absences", "standard_axes", "standard_enums", "standard_euler", "standard_own_messages"),
+    *("standard_times", "standard_units"),
 )
 """What has a conversion of its own, and compiles with the protoc of Debian 12, which knows no editions."""
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param("cpp_handlers", marks=pytest.mark.slow),
-        *(pytest.param(name, marks=pytest.mark.exhaustive) for name in _OTHERS),
-    ],
-)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("name", _PROJECTS)
 def test_cpp_handlers_give_what_python_handlers_give(name: str, tmp_path: Path) -> None:
     """Any payload becomes the same serialized message, any message the same payload; both refuse the same."""
     if missing():  # here: it starts a program, which nobody needs to wait for where the test is left out

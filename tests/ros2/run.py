@@ -118,7 +118,7 @@ def _install(distribution: str, folder: Path) -> None:
     where = folder.relative_to(ROOT)
     print(f"installing what ROS 2 {distribution} needs in {where}; the first time, this can take minutes", flush=True)
     venv.create(folder, clear=True, with_pip=True, system_site_packages=distribution == SOURCED)
-    pip = [folder / "bin" / "python", "-m", "pip", "install", "--disable-pip-version-check"]
+    pip = [folder / "bin" / "python", "-m", "pip", "install", "--disable-pip-version-check", "--no-compile"]
     ros = "" if distribution == SOURCED else f"ros-{distribution},"
     products = (f".[{ros}standard,record]", "./rover[detect,fusion,video]", "./check_launch")
     editable = [word for product in products for word in ("--editable", product)]
@@ -149,6 +149,7 @@ def _build_package(package: Path, distribution: str, folder: Path) -> None:
         "CMAKE_PREFIX_PATH": environment(distribution)["AMENT_PREFIX_PATH"].replace(":", ";"),
         "CMAKE_INSTALL_PREFIX": overlay,
         "BUILD_TESTING": "OFF",
+        "CMAKE_PROJECT_INCLUDE": HERE / "one_source.cmake",
         "Python3_EXECUTABLE": python,
         "PYTHON_EXECUTABLE": python,  # what the older of ROS 2's CMake files read
     }

@@ -87,6 +87,7 @@ def _values(message: Any) -> dict[str, Any]:
     return values
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("native", [True, False])
 @pytest.mark.parametrize(("peer", "signs"), [("basestation", False), ("basestation", True), ("hardware", False)])
 def test_every_row_has_the_same_values_at_both_ends(

@@ -133,6 +133,7 @@ _PYTHON = ("--ros-args", "-p", "native_core:=false", "--")
 _GOES_ON = "the thread {} goes on after TypeError('a bug')"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("where", "options", "said"),
     [
@@ -183,6 +184,7 @@ def test_no_thread_dies_alone(
     assert _last_stops(peer) >= _STOPS  # and those of a silence before the end, on a busy computer
 
 
+@pytest.mark.slow
 def test_a_clock_beyond_2038_ends_nothing(run: Run, others: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The stamps show the last second that ROS 2 has; /diagnostics goes on, and after the clock is right again too."""
     stamps: list[int] = []
@@ -226,6 +228,7 @@ def test_a_viewer_that_does_not_read_holds_up_nothing(run: Run, monkeypatch: pyt
     assert run("--foxglove", "0")[0] == 0
 
 
+@pytest.mark.slow
 def test_a_domain_that_cannot_be_is_one_line(called: Called, monkeypatch: pytest.MonkeyPatch, middleware: str) -> None:
     """Every command that speaks ROS 2 quotes a wrong ROS_DOMAIN_ID, and says what it may be."""
     for text in ("233", "-1", "1.5", "0x1", "010", "rover"):

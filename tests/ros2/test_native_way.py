@@ -389,6 +389,7 @@ def test_of_a_burst_the_newest_message_passes(middleware: str) -> None:
     assert found[0][1] == {Reason.SUPERSEDED.value: 3}
 
 
+@pytest.mark.slow
 def test_what_two_threads_sign_for_a_peer_arrives_in_the_order_of_its_timestamps(
     middleware: str, tmp_path: Path
 ) -> None:

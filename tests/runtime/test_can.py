@@ -82,6 +82,7 @@ def _datagram(size: int) -> bytes:
     return bytes(place % 251 + 1 for place in range(size))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ids", [_CLASSIC, _LONG, _MIXED, _FD])
 @settings(max_examples=10, deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 1), st.one_of(st.sampled_from(_SIZES), st.integers(1, 300))), max_size=8))

@@ -97,6 +97,7 @@ def _round_trip(message: Message) -> None:
         assert cdr.encode(cdr.decode(type(message), data)) == expected
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(messages(Everything))
 def test_every_kind_of_field_both_ways(message: Everything) -> None:
@@ -133,8 +134,9 @@ def test_other_encapsulations_are_refused(header: str) -> None:
 def test_what_other_writers_say_is_understood_or_refused() -> None:
     """Options in the header, and an empty text without its NUL; but no bytes that are not UTF-8, nor false counts."""
     assert cdr.decode(Point, b"\0\1\0\3" + cdr.encode(Point(True, 1.5))[4:]) == Point(True, 1.5)
-    string, empty = standard_types.message_type("std_msgs/msg/String"), standard_types.message_type(
-        "std_msgs/msg/Empty"
+    string, empty = (
+        standard_types.message_type("std_msgs/msg/String"),
+        standard_types.message_type("std_msgs/msg/Empty"),
     )
     assert cdr.decode(string, bytes(1) + b"\1" + bytes(6)) == string()
     with pytest.raises(ConversionError, match="not UTF-8"):

@@ -534,6 +534,7 @@ def test_a_request_that_cannot_be_read_is_ignored(client: _Client, caplog: pytes
     assert client.call("get_parameters", rcl.GetParametersResponse, ["dst_ip"]).values == [_text("127.0.0.1")]
 
 
+@pytest.mark.slow
 def test_a_service_answers_later_and_each_client_gets_its_own(join: Open, monkeypatch: pytest.MonkeyPatch) -> None:
     """A response comes from any thread, in any order, to the call that it belongs to; without a node, none is sent."""
     monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")

@@ -24,6 +24,7 @@ def _variants(data: bytes, padding: int) -> list[bytes]:
     return [data, data + bytes(padding), stripped, stripped + bytes(padding), partly]
 
 
+@pytest.mark.slow
 @_EXAMPLES
 @given(sent=envelopes(), padding=_PADDING)
 def test_any_valid_envelope_is_restored_from_each_variant(sent: bytes, padding: int) -> None:

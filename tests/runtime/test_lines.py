@@ -290,6 +290,7 @@ def test_a_board_behind_tcp(listens: bool) -> None:
             assert rig.bridge.account.dropped == {}
 
 
+@pytest.mark.slow
 def test_a_client_that_leaves_is_counted_once(free_port: int) -> None:
     """That nobody follows it is another reason, and no other event."""
     nobody = f"nobody has connected to TCP port {free_port}"
@@ -319,6 +320,7 @@ def _connect(address: tuple[str, int]) -> socket.socket:
     return wait_until(attempt, "a bridge that listens")
 
 
+@pytest.mark.slow
 def test_behind_a_connection_that_hangs_commands_get_lost_and_not_late() -> None:
     """Commands that waited too long are counted, the connection is given up, and the next one begins with new ones."""
     with socket.socket() as server:
@@ -353,6 +355,7 @@ def test_behind_a_connection_that_hangs_commands_get_lost_and_not_late() -> None
 # --- programs at the other end ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_both_clients_speak_over_a_line(free_port: int) -> None:
     """They send and receive payloads as over UDP; a client without a connection says so when it sends."""
     imu, command = (QUIET.by_name[name].payload_type for name in ("imu_info", "drive_motor"))
@@ -380,6 +383,7 @@ def test_both_clients_speak_over_a_line(free_port: int) -> None:
         asyncio.run(speak(rig))
 
 
+@pytest.mark.slow
 def test_a_flood_of_the_program_gets_what_the_line_carries(plugged: Cable) -> None:
     """A line of 1 Mbaud: what waits too long is counted and not sent, the others keep their order, and none is lost."""
     arrived, ended, reader = list[bytes](), threading.Event(), FrameReader(1000)

@@ -237,6 +237,7 @@ def test_the_core_refuses_a_link_message_where_only_topics_count() -> None:
 # --- clients ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("hashes", "schema", "rows"), [({}, SAME, ()), ({4: 7}, DIFFERS, ("mode",))])
 def test_a_client_exchanges_link_messages_by_itself(hashes: dict[int, int], schema: str, rows: tuple[str, ...]) -> None:
     """The bridge and the client know each other's schemas and measure the link; the program sees payloads alone."""

@@ -101,6 +101,7 @@ def test_both_ends_sign_and_a_thief_moves_neither(tmp_path: Path) -> None:
         ends.crosses(_ROCK, {"frame_id": 6})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("differs", [False, True])
 def test_both_ends_compare_schemas_and_measure_the_link(differs: bool) -> None:
     """The rover's bridge knows who speaks, by rows that it forwards and others; a row that differs is refused."""

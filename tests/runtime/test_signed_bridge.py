@@ -245,6 +245,7 @@ def _hostile(stock: Sequence[bytes], count: int) -> Iterator[bytes]:
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [5_000, pytest.param(1_000_000, marks=pytest.mark.exhaustive)])
 def test_forged_replayed_and_truncated_datagrams_are_counted_and_never_accepted(rig: SignedRig, count: int) -> None:
     """Over the socket: what is not an accepted datagram is a counted one, and each reason occurs."""

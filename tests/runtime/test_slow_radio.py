@@ -57,6 +57,7 @@ def _timed(sock: socket.socket) -> Iterator[tuple[float, bytes]]:
         yield seconds + nanoseconds / 1e9, datagram
 
 
+@pytest.mark.slow
 def test_a_forward_is_limited_where_its_topic_is_not() -> None:
     """Fifty a second come, five a second leave, the newest of them; the topic gets all, and each one is counted."""
     with Rig(_forwarding(max_rate=5)) as rig:
@@ -74,6 +75,7 @@ def test_a_forward_is_limited_where_its_topic_is_not() -> None:
         assert len(rig.on_topic["imu_data"]) == 50
 
 
+@pytest.mark.slow
 def test_only_changes_leave_and_the_last_one_again() -> None:
     """A state that does not change leaves once, and then as a heartbeat, although nothing new comes any more.
 
@@ -110,6 +112,7 @@ def test_who_comes_later_gets_the_last_state_once(tmp_path: Path, budget: int | 
         assert (rig.account.unchanged, rig.account.withheld.total()) == ({"detected_object": 3}, 3)
 
 
+@pytest.mark.slow
 def test_a_program_that_has_started_again_gets_the_last_state() -> None:
     """Its link messages have a new session, and the next link message of the bridge brings the state."""
     registry = changed(linked_registry(), "drive_command", send=SendLimits(on_change=True))
@@ -128,6 +131,7 @@ def _flooded(budget: int, **more: Any) -> Registry:
     return changed(registry, "detected_object", priority=9)
 
 
+@pytest.mark.slow
 def test_telemetry_stays_within_the_budget_and_holds_nothing_urgent() -> None:
     """Each second that the receiver sees has few enough bytes; each datagram has left, or is counted."""
     budget, telemetry, rounds = 10_000, _imu(1)[:2], 0
@@ -246,6 +250,7 @@ def test_what_leaves_over_a_line_is_signed_once(tmp_path: Path) -> None:
                 rig.live.change({"base_host": "127.0.0.1", "base_port": port_of(rig.peers["basestation"])})
 
 
+@pytest.mark.slow
 def test_signatures_are_made_when_a_datagram_leaves(tmp_path: Path) -> None:
     """What leaves later has the later timestamp, so the peer accepts all; the budget counts the signatures."""
     with SignedRig(tmp_path, signing({"basestation": {"must_sign": True}}, _flooded(4_000))) as rig:

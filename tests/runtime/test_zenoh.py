@@ -413,6 +413,7 @@ def test_keys_are_those_of_a_stranger() -> None:
         assert ours.key(42) == ros2.entity_key(42, name, type_name, _STRING)
 
 
+@pytest.mark.slow
 def test_topics_are_exchanged_with_a_stranger(join: Open, sdk: Any) -> None:
     """Its subscription gets our messages, and ours gets those of its publisher, with the hashes that it computes."""
     string = standard_types.message_type("std_msgs/msg/String")

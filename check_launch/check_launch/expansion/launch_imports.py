@@ -106,7 +106,10 @@ class LaunchImports(MetaPathFinder, Loader):
         """Modules that are not there, each with the line of the import."""
 
     def find_spec(
-        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None  # noqa: ARG002  # of the base
+        self,
+        fullname: str,
+        path: Sequence[str] | None,  # noqa: ARG002  # of the base
+        target: ModuleType | None = None,  # noqa: ARG002
     ) -> ModuleSpec | None:
         """Return the specification of a module that nothing else has found; None if the import is to fail."""
         top, parent = fullname.partition(".")[0], fullname.rpartition(".")[0]

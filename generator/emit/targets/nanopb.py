@@ -28,11 +28,14 @@ def emit(bridge: ir.Bridge) -> Files:
         lines = [f"{bound.message}.{bound.field} {_options(bound)}" for bound in bounds]
         yield f"generated/nanopb/{options_file_of(file)}", "\n".join([header(bridge.table), "", *lines, ""])
     if bridge.link is not None:
-        yield "generated/nanopb/roverlink_link.h", render(
-            "nanopb/roverlink_link.h.j2",
-            header=header(bridge.table, "//"),
-            include=f"{bridge.link.file.removesuffix('.proto')}.pb.h",
-            ends=list(_ends(bridge)),
+        yield (
+            "generated/nanopb/roverlink_link.h",
+            render(
+                "nanopb/roverlink_link.h.j2",
+                header=header(bridge.table, "//"),
+                include=f"{bridge.link.file.removesuffix('.proto')}.pb.h",
+                ends=list(_ends(bridge)),
+            ),
         )
     parts = {
         "framing": any(end.host.startswith("serial:") for peer in bridge.peers for end in peer.ends),

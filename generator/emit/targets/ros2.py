@@ -43,47 +43,58 @@ def emit(bridge: ir.Bridge) -> Files:
     comment = header(bridge.table)
     # Packages whose messages are fields; rosidl needs them as DEPENDENCIES when it generates code.
     others = sorted({field.type.package for message in bridge.messages for field in message.fields} - {""})
-    yield f"{folder}/CMakeLists.txt", render(
-        "CMakeLists.txt.j2",
-        header=comment,
-        package=bridge.package,
-        messages=names,
-        services=[service.type for service in bridge.services],
-        others=others,
-        folder=bridge.folder,
-        vendor=VENDOR,
+    yield (
+        f"{folder}/CMakeLists.txt",
+        render(
+            "CMakeLists.txt.j2",
+            header=comment,
+            package=bridge.package,
+            messages=names,
+            services=[service.type for service in bridge.services],
+            others=others,
+            folder=bridge.folder,
+            vendor=VENDOR,
+        ),
     )
     name, _, address = bridge.maintainer.partition(" <")
     xml = header(bridge.table, "<!--", " -->")
-    yield f"{folder}/package.xml", render(
-        "package.xml.j2",
-        header=xml,
-        package=bridge.package,
-        maintainer=name,
-        address=address.rstrip(">"),
-        version=bridge.version,
-        license=bridge.license,
-        needs=NEEDS,
-        others=others,
-        spoken=sorted({interface.package for interface in bridge.interfaces} - {*others}),
+    yield (
+        f"{folder}/package.xml",
+        render(
+            "package.xml.j2",
+            header=xml,
+            package=bridge.package,
+            maintainer=name,
+            address=address.rstrip(">"),
+            version=bridge.version,
+            license=bridge.license,
+            needs=NEEDS,
+            others=others,
+            spoken=sorted({interface.package for interface in bridge.interfaces} - {*others}),
+        ),
     )
     for path, template in (
         (f"{bridge.package}.launch.py", "launch.py.j2"),
         (f"{bridge.package}_launch.yaml", "launch.yaml.j2"),
     ):
-        yield f"{folder}/launch/{path}", render(
-            template,
-            header=comment,
-            package=bridge.package,
-            arguments=_LAUNCH_ARGUMENTS,
-            params_file=_PARAMS_FILE,
-            addresses=_addresses(bridge),
+        yield (
+            f"{folder}/launch/{path}",
+            render(
+                template,
+                header=comment,
+                package=bridge.package,
+                arguments=_LAUNCH_ARGUMENTS,
+                params_file=_PARAMS_FILE,
+                addresses=_addresses(bridge),
+            ),
         )
-    yield f"{folder}/scripts/{bridge.package}_node.py", render(
-        "node.py.j2", header=comment, protobuf=NEEDS["python3-protobuf"], requirement=PROTOBUF
+    yield (
+        f"{folder}/scripts/{bridge.package}_node.py",
+        render("node.py.j2", header=comment, protobuf=NEEDS["python3-protobuf"], requirement=PROTOBUF),
     )
-    yield f"{folder}/config/udp.yaml", render(
-        "udp.yaml.j2", header=comment, parameters=_parameters(bridge), addresses=_address_parameters(bridge)
+    yield (
+        f"{folder}/config/udp.yaml",
+        render("udp.yaml.j2", header=comment, parameters=_parameters(bridge), addresses=_address_parameters(bridge)),
     )
 
 

@@ -231,9 +231,11 @@ _VARIANTS = (
     ),
     Layout(
         "yolov5",
-        lambda model: _is_table(model.only)
-        and model.only[1] in [_RATIOS * cells for cells in model.cells()]
-        and model.fits(model.only[2], 5),
+        lambda model: (
+            _is_table(model.only)
+            and model.only[1] in [_RATIOS * cells for cells in model.cells()]
+            and model.fits(model.only[2], 5)
+        ),
         _yolov5,
         overlapping=True,
     ),
@@ -243,11 +245,13 @@ _VARIANTS = (
     Layout("rtdetr", lambda model: model.has(labels=None, boxes=4, scores=None), _detr_with_labels, _STRETCHED),
     Layout(
         "rtdetr",
-        lambda model: _is_table(model.only)
-        and model.only[1] > model.only[2]
-        and not _is_on_grid(model)
-        and not _is_ranked(model)
-        and model.fits(model.only[2], 4),
+        lambda model: (
+            _is_table(model.only)
+            and model.only[1] > model.only[2]
+            and not _is_on_grid(model)
+            and not _is_ranked(model)
+            and model.fits(model.only[2], 4)
+        ),
         _detr_in_one,
         _STRETCHED,
     ),
@@ -260,10 +264,12 @@ _VARIANTS = (
     ),
     Layout(
         "nms",
-        lambda model: _is_table(model.only)
-        and model.only[2] == 6
-        and not _is_ranked(model)
-        and (model.suppressed or not _is_on_grid(model)),
+        lambda model: (
+            _is_table(model.only)
+            and model.only[2] == 6
+            and not _is_ranked(model)
+            and (model.suppressed or not _is_on_grid(model))
+        ),
         _suppressed,
     ),
     Layout("nms", lambda model: len(model.only) == 2 and model.only[1] == 7, _suppressed_in_batch),

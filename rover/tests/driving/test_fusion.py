@@ -215,6 +215,7 @@ def _ahead(message: Any, _: float) -> None:
         message.header.stamp.sec += 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "why"),
     [

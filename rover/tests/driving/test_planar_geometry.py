@@ -74,6 +74,7 @@ _APART = np.array([[1, 1, 0], [1, 1, 0], [0, 0, 1]])
 """Factors that leave the position and the direction of a covariance alone with each other."""
 
 
+@pytest.mark.slow
 @given(_poses, _poses, _poses)
 def test_the_derivatives_of_a_sighting_are_those_of_its_error(
     rover: PlanarPose, landmark: PlanarPose, place: PlanarPose
@@ -114,6 +115,7 @@ def test_successive_motions_are_one_motion(first: float, second: float, directio
     assert two @ before @ two.T + after == pytest.approx(whole, abs=2e-5)  # the least covariance is added twice
 
 
+@pytest.mark.slow
 @given(_poses, _rotations, st.tuples(_metres, _metres, _metres), _rotations)
 def test_a_sighting_leads_from_the_rover_to_the_surveyed_place(
     rover: PlanarPose, turn: np.ndarray, position: tuple[float, float, float], tilt: np.ndarray
@@ -136,6 +138,7 @@ def test_a_sighting_leads_from_the_rover_to_the_surveyed_place(
     assert place.covariance == pytest.approx(1e-4 * np.eye(3), abs=1e-9)
 
 
+@pytest.mark.slow
 @given(_poses, st.sets(st.integers(0, 5), min_size=0, max_size=2), st.floats(0.5, 3), _angles)
 @settings(max_examples=30)
 def test_the_landmarks_that_agree_are_those_that_nobody_moved(

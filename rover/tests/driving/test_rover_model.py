@@ -70,6 +70,7 @@ def test_a_rover_that_does_not_slip_ends_at_the_end_of_its_arc(distance: float, 
     assert model.speed == 0
 
 
+@pytest.mark.slow
 @given(_commands)
 @settings(max_examples=20)
 def test_the_board_keeps_its_limits(commands: list[tuple[BoardCommand, float]]) -> None:
@@ -146,6 +147,7 @@ def test_the_imu_measures_the_motion() -> None:
     assert abs(mean(standing, "magnetic_field", 1)) < 0.2e-6
 
 
+@pytest.mark.slow
 def test_the_gps_scatters_around_the_true_position() -> None:
     """Latitude and longitude come back as metres on the map; the course is clockwise from north."""
     fixes = _of(GpsFix, RoverModel(5, _FIRM, PlanarPose(30, -20, 0.0)).advance(100))

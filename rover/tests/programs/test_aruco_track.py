@@ -32,6 +32,8 @@ def field(tmp_path_factory: pytest.TempPathFactory) -> Field:
     return Field.written(tmp_path_factory.mktemp("field"), _FRAMES)
 
 
+@pytest.mark.slow
+@pytest.mark.opencv
 def test_json_says_what_is_where(field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A line a frame has stamp, landmarks to 2 % of their distance, and camera; a film does not replace its source."""
     film = tmp_path / "seen.avi"
@@ -131,6 +133,8 @@ def test_new_markers_are_searched_for_as_often_as_asked(
         assert [len(view["markers"]) for view in views] == found
 
 
+@pytest.mark.slow
+@pytest.mark.opencv
 def test_another_image_size_is_refused_or_scaled(
     field: Field, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

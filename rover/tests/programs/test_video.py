@@ -76,6 +76,7 @@ def _when(
     return wait_until(found, what) or {}
 
 
+@pytest.mark.slow
 def test_images_arrive_and_are_saved(start: Start, images: Path, tmp_path: Path) -> None:
     """The receiver tells where they come from, and counts; the file can be played, and its images have even sides."""
     receiver, (port,) = _receiver(start, "front", "--save", tmp_path / "today", "--page", "0")
@@ -137,6 +138,7 @@ def test_the_page_shows_all_streams(start: Start, images: Path) -> None:
         visitor.until(lambda: "NO CONNECTION" in visitor.text("#connection"))
 
 
+@pytest.mark.slow
 @needs_dds
 def test_images_of_a_topic_come_out_of_a_topic(start: Start) -> None:
     """A sender on one topic, a receiver on another; the stamps are those of the camera."""

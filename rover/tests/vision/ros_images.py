@@ -57,7 +57,11 @@ class Camera:
     """A camera driver: publishes on one topic."""
 
     def __init__(
-        self, middleware: Middleware, topic: str, message_type: Any = Image, qos: Qos = Qos(depth=5)  # noqa: B008
+        self,
+        middleware: Middleware,
+        topic: str,
+        message_type: Any = Image,
+        qos: Qos = Qos(depth=5),  # noqa: B008
     ) -> None:
         self._publisher = middleware.publisher(topic, message_type, qos)
 

@@ -99,6 +99,8 @@ def test_a_highlight_on_a_part_of_a_marker_does_not_move_it() -> None:
     assert np.linalg.norm(found.pose.translation - truth) < 0.0006 * np.linalg.norm(truth)
 
 
+@pytest.mark.slow
+@pytest.mark.opencv
 @pytest.mark.parametrize("frames", [8, pytest.param(500, marks=pytest.mark.exhaustive)])
 def test_nothing_is_seen_where_nothing_is(frames: int) -> None:
     """Rendered textures, boxes and chequers are no markers."""

@@ -118,6 +118,7 @@ def test_the_result_is_shown_and_the_report_is_there() -> None:
     assert camera.show(left())["views"][-1]["lines"][2] == "not used yet"
 
 
+@pytest.mark.slow
 def test_the_picture_goes_on_while_the_calibration_is_made() -> None:
     """Frames are looked at, and the buttons wait."""
     go = threading.Event()

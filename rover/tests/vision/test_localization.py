@@ -75,8 +75,9 @@ def test_the_rover_is_where_its_camera_and_its_mount_say() -> None:
     rng = np.random.default_rng(4)
     camera = camera_on_field(rng)
     detections = view(camera, wall(), rng)
-    one, joint = localize(detections, landmarks(wall())), localize_rover(
-        [CameraDetections(detections, FRONT)], landmarks(wall())
+    one, joint = (
+        localize(detections, landmarks(wall())),
+        localize_rover([CameraDetections(detections, FRONT)], landmarks(wall())),
     )
     assert one
     assert joint

@@ -59,6 +59,8 @@ def test_corners_count_from_the_centres_of_the_frame_s_pixels(film: Sequence[Sce
     assert np.mean(offsets, axis=0) == pytest.approx([0, 0], abs=0.15)
 
 
+@pytest.mark.slow
+@pytest.mark.opencv
 @pytest.mark.parametrize(
     ("chosen", "shown", "numbers", "expected"),
     [
@@ -117,6 +119,8 @@ def test_a_detector_s_error_does_not_matter(film: Sequence[Scene]) -> None:
         assert miss(fit(scene, 2 * np.column_stack([np.cos(angles), np.sin(angles)])), scene) < 0.05
 
 
+@pytest.mark.slow
+@pytest.mark.opencv
 def test_what_is_not_there_is_not_explained(film: Sequence[Scene]) -> None:
     """The wrong pattern, a plain wall, or a guess where no ray goes explain nothing or are None; others stand."""
     for scene in film:

@@ -143,6 +143,8 @@ def test_the_lens_may_distort() -> None:
     assert _size(seen, (x1, y1, x2, y2), lens) == pytest.approx(_size(_scene().depth, _scene().line), rel=0.02)
 
 
+@pytest.mark.slow
+@pytest.mark.opencv
 @settings(max_examples=30)
 @given(st.floats(-0.5, 0.5), st.floats(0.4, 1.0), st.floats(0.2, 2.0), st.floats(0, 0.45), st.integers(0, 2**32 - 1))
 def test_the_ground_is_found_among_other_points(

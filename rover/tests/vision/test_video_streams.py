@@ -150,6 +150,7 @@ def test_a_late_receiver_gets_a_key_frame(monkeypatch: pytest.MonkeyPatch) -> No
     assert late.units[-1].intact
 
 
+@pytest.mark.slow
 def test_a_sender_that_starts_again_is_followed() -> None:
     """Its images begin anew, with a key frame."""
     with _Receiving() as receiving:
@@ -219,6 +220,7 @@ def test_saved_files_have_the_encoded_images(tmp_path: Path, suffix: str) -> Non
             assert frames[-1].time == pytest.approx((count - 1) / 30, abs=0.002)
 
 
+@pytest.mark.slow
 def test_the_bitrate_is_kept() -> None:
     """Also for images with noise, which need much more; a smaller one counts from the next image on."""
     noise = np.random.default_rng(1).normal(0, 10, (480, 640, 3))

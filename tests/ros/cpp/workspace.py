@@ -64,14 +64,17 @@ def write_library(folder: Path) -> Bridge:
     return compiled.bridge
 
 
-def cmake(library: Path, package: str) -> str:
+def cmake(library: Path, bridge: Bridge) -> str:
     """What CMake is told of the programs."""
+    package, envelope = bridge.package, bridge.envelope.file.removesuffix(".proto")
     speaker = f"REGISTRY=<{package}/registry.hpp> PACKAGE={package} ENVELOPE=::PBEnvelope"
     return (
         "find_package(ament_cmake REQUIRED)\n"
         f'set(PROTO_ROOT "{ROOT / "proto"}")\n'
         f'add_subdirectory("{library}" handlers)\n'
         f"target_compile_options({package}_handlers PRIVATE -Wall -Wextra)\n"
+        # Most of what a file reads is protobuf's. Our own headers are not here: each file has to name those it needs.
+        f"target_precompile_headers({package}_handlers PRIVATE <{envelope}.pb.h> <fastcdr/Cdr.h>)\n"
         "foreach(name speaker example node)\n"
         "  add_executable(${name} ${name}.cpp)\n"
         f"  target_link_libraries(${{name}} {package}_handlers fastcdr)\n"

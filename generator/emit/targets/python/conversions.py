@@ -34,8 +34,9 @@ def emit(bridge: ir.Bridge) -> Files:
     """Yield a module for each nested message, and one for each Any."""
     converters = Converters(bridge)
     for conversion in bridge.nested:
-        yield f"generated/conversions/{spelling.conversion_module(conversion.ros)}.py", _module(
-            bridge, conversion, converters
+        yield (
+            f"generated/conversions/{spelling.conversion_module(conversion.ros)}.py",
+            _module(bridge, conversion, converters),
         )
     for any in bridge.anys:
         yield f"generated/conversions/{spelling.conversion_module(any.ros)}.py", any_module(bridge, any, converters.of)

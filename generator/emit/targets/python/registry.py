@@ -31,26 +31,32 @@ def emit(bridge: ir.Bridge) -> Files:
     if bridge.link is not None:
         imports.add(("roverlink.runtime.core.registry", "Link"))
     imports |= {(package, name) for name, package in (handlers | extra_topics).items()}
-    yield "generated/registry.py", render(
-        "registry.py.j2",
-        header=header(bridge.table),
-        imports=import_lines(imports),
-        bridge=bridge,
-        envelope=f"{module}.{bridge.envelope.message.rpartition('.')[2]}",
-        handlers=[*handlers],
-        extra_topics=[*extra_topics],
-        fingerprint=fingerprint(bridge),
+    yield (
+        "generated/registry.py",
+        render(
+            "registry.py.j2",
+            header=header(bridge.table),
+            imports=import_lines(imports),
+            bridge=bridge,
+            envelope=f"{module}.{bridge.envelope.message.rpartition('.')[2]}",
+            handlers=[*handlers],
+            extra_topics=[*extra_topics],
+            fingerprint=fingerprint(bridge),
+        ),
     )
     yield "generated/checks.py", render("checks.py.j2", header=header(bridge.table), bridge=bridge)
     exported = {(package, name) for name, package in (handlers | extra_topics).items()} | {
         (f"{own}.registry", "REGISTRY")
     }
-    yield "generated/__init__.py", render(
-        "package.py.j2",
-        header=header(bridge.table),
-        docstring=f"The registry and the handlers of rows and extra topics, compiled from {bridge.table}.",
-        imports=import_lines(exported),
-        names=sorted({*handlers, *extra_topics, "REGISTRY"}),
+    yield (
+        "generated/__init__.py",
+        render(
+            "package.py.j2",
+            header=header(bridge.table),
+            docstring=f"The registry and the handlers of rows and extra topics, compiled from {bridge.table}.",
+            imports=import_lines(exported),
+            names=sorted({*handlers, *extra_topics, "REGISTRY"}),
+        ),
     )
 
 
