@@ -69,6 +69,11 @@ class EventClients:
         with self._lock:
             self._clients.discard(client)
 
+    def followed(self) -> set[str]:
+        """Return the ids of the bridges that the clients follow."""
+        with self._lock:
+            return {client.bridge for client in self._clients}
+
     def send(self, to_all: bytes, by_bridge: Mapping[str, bytes]) -> None:
         """Send each client the events for all clients and those of its bridge; drop clients whose queues are full."""
         with self._lock:

@@ -1,4 +1,7 @@
-"""Last values of the rows of a bridge, and their history over the last minutes, for plots."""
+"""Last values of the rows of a bridge, and their history over the last minutes, for plots.
+
+Mostly nobody looks. So messages are kept as they came, and read when a browser asks for their values.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,8 @@ import math
 import time
 from array import array
 from collections import deque
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, TypeVar
 
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import MISFITS, Qos
@@ -21,17 +24,62 @@ _POINTS = 600  # of a row; the page looks at the values twice a second
 _FIELDS = 100  # of a row
 _ELEMENTS = 16  # of an array
 _LONGEST = 200  # characters of a text
+_SHORT = 1024  # bytes; the numbers of a message have a few bytes more than the message
 _TURN_S = 0.001
 _EXACT = 2**53  # JavaScript's numbers are exact up to here
 
+T = TypeVar("T")
 Values = dict[str, Any]
 """Values of a message by the path of the field, such as ``pose.position.x`` or ``joints[2]``."""
 
 
-class _Point(NamedTuple):
-    time: float
+class SeenMessage:
+    """Newest message of a row at a moment at which the page looked. It is decoded only if somebody asks for it."""
+
+    __slots__ = ("_data", "_type")
+
+    def __init__(self, message_type: type[Message], data: bytes) -> None:
+        self._type, self._data = message_type, data
+
+    @property
+    def is_short(self) -> bool:
+        """True if it needs no more memory than its numbers."""
+        return len(self._data) <= _SHORT
+
+    def values(self) -> Values | None:
+        """Return the values; None if another node has sent bytes that are not of this type (the bridge counts that)."""
+        try:
+            return flat(message_to_values(cdr.decode(self._type, self._data)))
+        except MISFITS:
+            return None
+
+
+class _Numbers(NamedTuple):
     names: tuple[str, ...]
     numbers: array[float]
+
+
+class _Point:
+    """Numbers of a row at one moment. Those of a message are read when somebody first asks for them."""
+
+    __slots__ = ("_content", "time")
+
+    def __init__(self, time: float, content: Values | SeenMessage) -> None:
+        self.time = time
+        self._content: Values | SeenMessage | _Numbers = content
+
+    def numbers(self, like: tuple[str, ...] = ()) -> _Numbers:
+        """Return the numbers; ``like`` are the names of another point, which are one tuple for both if they are equal.
+
+        Texts are left out.
+        """
+        content = self._content
+        if not isinstance(content, _Numbers):
+            values = (content.values() or {}) if isinstance(content, SeenMessage) else content
+            numbers = {name: float(value) for name, value in values.items() if isinstance(value, (int, float))}
+            names = tuple(numbers)
+            self._content = content = _Numbers(like if names == like else names, array("d", numbers.values()))
+        return content
 
 
 class History:
@@ -40,14 +88,13 @@ class History:
     def __init__(self) -> None:
         self._points: dict[str, deque[_Point]] = {}
 
-    def add(self, row: str, now: float, values: Mapping[str, Any]) -> None:
-        """Keep the numbers among the values of a row at the time ``now``; texts are left out."""
-        numbers = {name: float(value) for name, value in values.items() if isinstance(value, (int, float))}
+    def add(self, row: str, now: float, content: Values | SeenMessage) -> None:
+        """Keep the numbers of a row at the time ``now``."""
         points = self._points.setdefault(row, deque(maxlen=_POINTS))
-        names = tuple(numbers)
-        if points and points[-1].names == names:
-            names = points[-1].names  # one tuple for all points, to save memory
-        points.append(_Point(now, names, array("d", numbers.values())))
+        point = _Point(now, content)
+        if not (isinstance(content, SeenMessage) and content.is_short):
+            point.numbers(points[-1].numbers().names if points else ())
+        points.append(point)
 
     def keep(self, rows: Collection[str]) -> None:
         """Forget all rows but these."""
@@ -55,9 +102,13 @@ class History:
 
     def series(self, row: str, field: str) -> list[tuple[float, float]]:
         """Return times and numbers of a field, oldest first; an empty list if there are none."""
+        found, names = list[tuple[float, float]](), tuple[str, ...]()
         # A copy: the thread that adds points must not change the list that is read. `list` of a deque is one step.
-        points = list(self._points.get(row, ()))
-        return [(point.time, point.numbers[point.names.index(field)]) for point in points if field in point.names]
+        for point in in_turns(list(self._points.get(row, ()))):
+            names, numbers = point.numbers(names)
+            if field in names:
+                found.append((point.time, numbers[names.index(field)]))
+        return found
 
 
 class _NewestMessage:
@@ -72,9 +123,9 @@ class _NewestMessage:
 
 
 class LastValues:
-    """Listener that keeps the last message of each row, and converts it later on the thread of the page.
+    """Listener that keeps the last message of each row.
 
-    So the bridge's threads only store a reference for each batch.
+    So the bridge's threads only store a reference for each batch, and the thread of the page the newest of them.
     """
 
     def __init__(self, rows: Mapping[str, str]) -> None:
@@ -93,22 +144,31 @@ class LastValues:
         self._types[row] = message_type
         return _NewestMessage(self._newest, row, self._sources)
 
-    def changes(self) -> Iterator[tuple[str, Values]]:
-        """Yield name and values of each row that has had a message since the last call."""
+    def changes(self) -> dict[str, SeenMessage]:
+        """Return the newest message of each row that has had one since the last call, by the name of the row."""
         self._sources()
-        turn = time.monotonic()
-        for row, data in list(self._newest.items()):
-            if data is self._shown.get(row):
-                continue
-            self._shown[row] = data
-            try:
-                yield row, flat(message_to_values(cdr.decode(self._types[row], data)))
-            except MISFITS:  # another node sent bytes that are not of this type; the bridge counts that
-                continue
-            # Python changes threads only every 5 ms unless one waits; so the bridge gets its turn every millisecond.
-            if time.monotonic() - turn > _TURN_S:
-                time.sleep(_TURN_S / 2)
-                turn = time.monotonic()
+        fresh = {row: data for row, data in list(self._newest.items()) if data is not self._shown.get(row)}
+        self._shown.update(fresh)
+        return {row: SeenMessage(self._types[row], data) for row, data in fresh.items()}
+
+
+def values_of(messages: Mapping[str, SeenMessage]) -> dict[str, Values]:
+    """Return the values of the messages that can be decoded."""
+    read = ((row, messages[row].values()) for row in in_turns(list(messages)))
+    return {row: values for row, values in read if values is not None}
+
+
+def in_turns(items: Iterable[T]) -> Iterator[T]:
+    """Yield items whose work takes long, and let other threads work meanwhile.
+
+    Python changes threads only every 5 ms unless one waits; so the bridge gets its turn every millisecond.
+    """
+    turn = time.monotonic()
+    for item in items:
+        yield item
+        if time.monotonic() - turn > _TURN_S:
+            time.sleep(_TURN_S / 2)
+            turn = time.monotonic()
 
 
 def flat(values: Mapping[str, Any]) -> Values:

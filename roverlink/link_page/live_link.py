@@ -2,18 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from roverlink.heard_bridges import QUIET_S, full_name, place
 from roverlink.link_judgement import Condition, old, worst_of
-from roverlink.link_page.last_values import HISTORY_S, History, LastValues, Values
+from roverlink.link_page.last_values import HISTORY_S, History, LastValues, SeenMessage, values_of
 from roverlink.link_page.log_lines import LogLines
 from roverlink.topic_types import json_text
 
 LINK_FIELDS = ("rate", "age")
 """Fields of a row's own state that can be plotted besides those of its messages."""
 _NOT_HEARD = Condition("WAITING", "the bridge has not reported yet")
+
+
+class News(NamedTuple):
+    """What is new of a bridge since the last time."""
+
+    now: float
+    state: dict[str, Any] | None
+    messages: Mapping[str, SeenMessage]
+    lines: Sequence[dict[str, Any]]
+
+    def events(self) -> bytes:
+        """Return the events that tell it to a browser."""
+        state = event("state", self.state) if self.state is not None else b""
+        rows = values_of(self.messages)
+        values = event("values", {"now": self.now, "rows": rows}) if rows else b""
+        return state + values + (event("log", {"lines": self.lines}) if self.lines else b"")
 
 
 class LiveLink:
@@ -31,7 +47,7 @@ class LiveLink:
         self._shown: dict[str, Any] | None = None
         self.state: dict[str, Any] | None = None
         """State as the page shows it, with peers; None before the first."""
-        self._values: dict[str, Values] = {}
+        self._messages: Mapping[str, SeenMessage] = {}  # replaced and never changed, since several threads read it
         self._told = 0
 
     def take_state(self, state: dict[str, Any]) -> None:
@@ -48,7 +64,7 @@ class LiveLink:
 
     def snapshot(self) -> bytes:
         """Return the events that a browser needs when it connects: state, values and log up to now."""
-        values = {"now": self._clock(), "rows": dict(self._values)}
+        values = {"now": self._clock(), "rows": values_of(self._messages)}
         state = event("state", self.state) if self.state is not None else b""
         return state + event("values", values) + event("log", {"lines": self.log.after(0)})
 
@@ -57,23 +73,18 @@ class LiveLink:
         link = field.startswith("#")
         return (self._link_history if link else self._history).series(row, field.removeprefix("#"))
 
-    def tick(self) -> bytes:
-        """Return the events of what is new since the last call; the thread of the page calls this periodically."""
-        events = []
-        if (state := self._new_state()) is not None:
+    def tick(self) -> News:
+        """Return what is new since the last call; the thread of the page calls this periodically."""
+        state, now = self._new_state(), self._clock()
+        if state is not None:
             self.state = state
-            events.append(event("state", state))
-        if self._last_values is not None:
-            now, changes = self._clock(), dict(self._last_values.changes())
-            for row, values in changes.items():
-                self._history.add(row, now, values)
-            if changes:
-                self._values = {**self._values, **changes}
-                events.append(event("values", {"now": now, "rows": changes}))
+        messages = self._last_values.changes() if self._last_values is not None else {}
+        for row, message in messages.items():
+            self._history.add(row, now, message)
+        self._messages = {**self._messages, **messages}
         if lines := self.log.after(self._told):
             self._told = lines[-1]["number"]
-            events.append(event("log", {"lines": lines}))
-        return b"".join(events)
+        return News(now, state, messages, lines)
 
     def _new_state(self) -> dict[str, Any] | None:
         """Return the state to show; None if nothing has changed."""

@@ -113,15 +113,15 @@ class LivePage:
         """Send what is new to all browsers; the thread of this object calls this periodically."""
         links = self._links
         self._alarms.keep(links.keys())
-        events = {}
-        for id, link in links.items():
-            before = link.state
-            events[id] = link.tick()
-            if link.state is not None and link.state is not before:
-                self._alarms.update(id, conditions_of(link.state), link.state["now"], link.state["quiet"])
+        news = {id: link.tick() for id, link in links.items()}
+        for id, one in news.items():
+            if (state := one.state) is not None:
+                self._alarms.update(id, conditions_of(state), state["now"], state["quiet"])
         bridges = self._bridges()
         overview = {**bridges, "now": None}
         changed, self._overview = overview != self._overview, overview
+        # A browser that comes from now on finds in its snapshot what is new here.
+        events = {id: news[id].events() for id in self.clients.followed() if id in news}
         self.clients.send(event("bridges", bridges) if changed else b"", events)
 
     def _bridges(self) -> dict[str, Any]:

@@ -99,6 +99,7 @@ class Peer(PeerEnd):
             return await response
         finally:
             self._session.requests.cancel(done, time.monotonic())
+            self._wait_for_due()  # the next one may be due earlier than this one was
 
     async def __aiter__(self) -> AsyncIterator[Received]:
         """Yield the payloads that arrive, until the peer is closed."""

@@ -3,8 +3,8 @@
 Nothing here uses a thread or a clock: the time is an argument, in seconds of any clock that only goes forward.
 
 - A request with a correlation field has a number, which the response repeats; 64 requests may be under way at a time.
-  Without the field, it is one, and the next one waits. If the last request was sent more than once, it may also be
-  answered more than once, so the next one waits for one more timeout.
+  Without the field, it is one, and the next one waits. If the last request was sent more often than it was answered,
+  another response may come, so the next one waits for one more timeout.
 - The waits between two sendings of a request are one, two, four and again four timeouts. If 30 %
   of all datagrams are lost each way, four sendings answer 93 % of the requests, five 97 % and ten 99.9 %. The caller of
   a request without a response hears so.
@@ -129,7 +129,7 @@ class Repeater(Generic[C]):
         if one is None:
             is_late = now < self._quiet_until if self._one_at_a_time else now < self._ended.get(number, -math.inf)
             return Fate.REPEATED if is_late else Fate.UNKNOWN
-        self._end(one, now)
+        self._end(one, now, responses=1)
         return one.caller
 
     def cancel(self, caller: C, now: float) -> None:
@@ -145,9 +145,9 @@ class Repeater(Generic[C]):
         self._queue.clear()
         return callers
 
-    def _end(self, one: _Waiting[C], now: float) -> None:
+    def _end(self, one: _Waiting[C], now: float, responses: int = 0) -> None:
         del self._under_way[one.number]
-        if self._one_at_a_time and one.attempts > 1:
+        if self._one_at_a_time and one.attempts > responses:
             self._quiet_until = now + self._request.timeout_ms / 1000
         self._ended[one.number] = now + lifetime(self._request)
         while self._ended and (len(self._ended) > _MOST_WAITING or next(iter(self._ended.values())) <= now):

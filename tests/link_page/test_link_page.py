@@ -20,7 +20,7 @@ from visits import Events, ask, port_of
 from bench.watched_link import WatchedLink, watched_link
 from generated.registry import REGISTRY
 from roverlink.link_page.event_clients import CLIENTS
-from roverlink.link_page.last_values import LastValues, flat
+from roverlink.link_page.last_values import LastValues, flat, values_of
 from roverlink.link_page.link_server import LinkServer
 from roverlink.link_page.live_page import LivePage
 from roverlink.runtime.core import cdr
@@ -162,10 +162,34 @@ def test_only_messages_on_topics_of_rows_have_values() -> None:
     tap = values.topic("/imu_data", handler.message_type, handler.route.qos)
     assert tap is not None
     tap([b"\x00\x01"])
-    assert list(values.changes()) == []
+    assert values_of(values.changes()) == {}
     tap([cdr.encode(handler.message_type(accel_x=2.0))])
-    assert dict(values.changes())["imu_info"]["accel_x"] == 2.0
-    assert list(values.changes()) == []
+    assert values_of(values.changes())["imu_info"]["accel_x"] == 2.0
+    assert values.changes() == {}
+
+
+def test_messages_are_read_when_a_browser_asks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody follows: nothing is decoded. A browser that comes later sees the last values, and all numbers so far."""
+    imu, read = REGISTRY.by_name["imu_info"], list[bytes]()
+    decode = cdr.decode
+    monkeypatch.setattr(cdr, "decode", lambda kind, data: read.append(data) or decode(kind, data))  # type: ignore[func-returns-value]
+    page, values = LivePage(logging.getLogger("page")), LastValues({"/imu_data": "imu_info"})
+    page.add("bridge", values)
+    tap = values.topic("/imu_data", imu.message_type, imu.route.qos)
+    assert tap is not None
+    for number in range(5):
+        tap([cdr.encode(imu.message_type(accel_x=number))])
+        page.tick()
+    assert read == []
+    with LinkServer("127.0.0.1", 0, page) as server, Events(server.url) as events:
+        assert events.next("values")["rows"]["imu_info"]["accel_x"] == 4
+        tap([cdr.encode(imu.message_type(accel_x=5))])
+        page.tick()
+        assert events.next("values")["rows"]["imu_info"]["accel_x"] == 5
+    for _ in range(2):
+        points = page.history("bridge", "imu_info", "accel_x")["points"]
+        assert [value for _, value in points] == [0, 1, 2, 3, 4, 5]
+    assert len(read) == 8
 
 
 def test_values_are_flat_and_bounded() -> None:

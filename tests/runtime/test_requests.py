@@ -37,11 +37,17 @@ def _row(name: str) -> AnyHandler:
 _losses = st.lists(st.sampled_from(["lost", 0.01, 0.3, 0.45]), max_size=60)
 
 
-@given(_losses, st.booleans(), st.integers(1, 6), st.lists(st.floats(0, 3), min_size=1, max_size=8))
+_callers = st.tuples(st.floats(0, 3), st.sampled_from([None, 0.0, 0.005, 0.5]))
+
+
+@given(_losses, st.booleans(), st.integers(1, 6), st.lists(_callers, min_size=1, max_size=8))
 def test_each_caller_gets_one_end_and_the_right_response(
-    fates: list[Any], has_field: bool, attempts: int, starts: list[float]
+    fates: list[Any], has_field: bool, attempts: int, callers: list[tuple[float, float | None]]
 ) -> None:
-    """Whatever the link loses, repeats, and delays by less than the timeout, no response reaches another caller."""
+    """Whatever the link loses, repeats, and delays by less than the timeout, no response reaches another caller.
+
+    A caller whose patience ends before may have no end.
+    """
     settings = RowRequest("", timeout_ms=1000, attempts=attempts, field="id" if has_field else "")
     repeater, memory, fates = Repeater[int](settings), Responses(settings), [*fates]
     ends: Counter[int] = Counter()
@@ -73,8 +79,10 @@ def test_each_caller_gets_one_end_and_the_right_response(
             assert found == caller
             ends[caller] += 1
 
-    for caller, start in enumerate(starts):
+    for caller, (start, patience) in enumerate(callers):
         after(start, partial(ask, caller), 0.0)
+        if patience is not None:
+            after(start + patience, partial(repeater.cancel, caller), 0.0)
     now, sent = 0.0, Counter[bytes]()
     while events or repeater.next_due < float("inf"):
         now = max(now, min(events[0][0] if events else float("inf"), repeater.next_due))
@@ -88,7 +96,8 @@ def test_each_caller_gets_one_end_and_the_right_response(
             assert again == (sent[datagram] > 1)
             # A round trip takes less than the timeout.
             after(fates.pop() if fates else 0.01, partial(at_receiver, datagram), now)
-    assert ends == Counter(range(len(starts)))
+    assert set(ends.values()) <= {1}
+    assert {caller for caller, (_, patience) in enumerate(callers) if patience is None} <= ends.keys()
     assert all(count <= attempts for count in sent.values())
     assert set(executed.values()) <= {1}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import glob
 import os
@@ -95,12 +96,14 @@ class SerialConnection:
 
     def send(self, datagram: bytes) -> None:
         """Send a datagram, and wait until the line has almost taken it."""
-        self._write(encode_frame(datagram))
-        deadline = time.monotonic() + self._waiting_s() + _HANGS_S
-        while (late := self._waiting_s() - _AHEAD_S) > 0:
-            if time.monotonic() > deadline:
-                raise OSError("the device takes no bytes")
-            time.sleep(min(late, _AHEAD_S))  # over USB, the baud rate means nothing, and the bytes are gone at once
+        try:
+            self._write(encode_frame(datagram))
+            self._wait_until_taken()
+        except OSError:
+            # A board that reads again must not get old commands, also while we close.
+            with contextlib.suppress(OSError, termios.error):  # the device is gone
+                self._device.reset_output_buffer()
+            raise
 
     def close(self) -> None:
         """Close the device."""
@@ -110,6 +113,13 @@ class SerialConnection:
         """Return the time that the line needs for what the kernel still holds."""
         waiting: int = self._device.out_waiting
         return waiting * _BITS / self._baud
+
+    def _wait_until_taken(self) -> None:
+        deadline = time.monotonic() + self._waiting_s() + _HANGS_S
+        while (late := self._waiting_s() - _AHEAD_S) > 0:
+            if time.monotonic() > deadline:
+                raise OSError("the device takes no bytes")
+            time.sleep(min(late, _AHEAD_S))  # over USB, the baud rate means nothing, and the bytes are gone at once
 
     def _write(self, data: bytes) -> None:
         self._device.write(data)  # it raises an OSError of pyserial if the device does not take the data in time
