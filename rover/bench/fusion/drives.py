@@ -24,8 +24,10 @@ Floats = NDArray[np.float64]
 
 PERIOD_S = 0.1
 """Time between two messages of odometry."""
-_WINDOW_S = 5.0
-"""Time over which motions are compared with the truth: far more than errors are alike."""
+_WINDOW_S = 20.0
+"""Time over which motions are compared with the truth: errors of turns are alike for many seconds."""
+_SHORT = 10
+"""Messages of odometry in one second: longer than any lead."""
 _LASTING = 50
 """Number of fixes after which their errors are others: ten seconds."""
 _FAR = 12.0
@@ -54,6 +56,8 @@ class Noise:
     bearing_deviation: float = 1.0
     delay: float = 0.0
     """Time in seconds between an image and the stamp of its sightings."""
+    lead: float = 0.0
+    """Time in seconds by which the odometry is ahead of the motion: that of MRCLAM has the commands of the robots."""
     fix_variance: float = 1.0
     """Factor by which variances of fixes are too small: their errors are larger, and last for many fixes."""
 
@@ -105,8 +109,8 @@ class Drive:
         """Columns of the truth, each in one piece of memory: interpolation would copy them otherwise."""
         return np.ascontiguousarray(self.truth.T)
 
-    def motion(self, since: float, until: float) -> Floats:
-        """Return the distance and the turn between two times, by odometry."""
+    def motion(self, since: float | Floats, until: float | Floats) -> Floats:
+        """Return the distance and the turn between two times, by odometry; both may be arrays."""
         times, *ways = self._ways
         return np.array([np.interp(until, times, way) - np.interp(since, times, way) for way in ways])
 
@@ -115,9 +119,10 @@ class Drive:
         times, *axes = self._truth
         return np.array([np.interp(time, times, axis) for axis in axes])
 
-    def undelayed(self, delay: float) -> Drive:
-        """Return the drive with stamps of the sightings that are those of the images."""
-        return replace(self, sightings={time - delay: seen for time, seen in self.sightings.items()})
+    def timed(self, delay: float, lead: float) -> Drive:
+        """Return the drive with stamps of the sightings and of the odometry that are those of the motion."""
+        sightings = {time - delay: seen for time, seen in self.sightings.items()}
+        return replace(self, sightings=sightings, odometry=np.add(self.odometry, [lead, 0, 0]))
 
     def with_fix_variance(self, factor: float) -> Drive:
         """Return the drive with the variances of fixes times a factor."""
@@ -133,7 +138,8 @@ class Drive:
 
 def calibrated(others: list[Drive]) -> Noise:
     """Return the errors of the sensors by other drives, whose truth is known."""
-    motions, sightings = [], []
+    motions, sightings, lead = [], [], _lead(others)
+    others = [drive.timed(0.0, lead) for drive in others]
     for drive in others:
         for since in np.arange(drive.start, drive.times[-1] - _WINDOW_S, _WINDOW_S):
             pose = np.zeros(3)
@@ -158,7 +164,7 @@ def calibrated(others: list[Drive]) -> Noise:
     ways, whole = way.sum(), (way + turn).sum()
     motion = math.sqrt(along / ways), math.sqrt(side / ways), math.sqrt(turned / whole), scale, turn_scale
     if not sightings:
-        return Noise(*motion, fix_variance=_fix_variance(others))
+        return Noise(*motion, lead=lead, fix_variance=_fix_variance(others))
     sighted = np.array(sightings)
     sighted = sighted[_no_mistakes(sighted[:, 0] / sighted[:, 1]) & _no_mistakes(sighted[:, 4])]
     depths, places, (missed, rate) = sighted[:, 0], sighted[:, 1:4], sighted[:, 4:].T
@@ -167,8 +173,24 @@ def calibrated(others: list[Drive]) -> Noise:
     return Noise(
         *motion,
         tuple(depth.tolist()),
-        *map(float, (np.std(depths - places @ depth), offset, np.std(missed - delay * rate), delay)),
+        *map(float, (np.std(depths - places @ depth), offset, np.std(missed - delay * rate), delay, lead)),
     )
+
+
+def _lead(drives: list[Drive]) -> float:
+    """Return the time in seconds by which the odometry is ahead of the motion: that with which its turns fit best."""
+
+    def missed(lead: float) -> float:
+        whole = 0.0
+        for drive in drives:
+            since = drive.times[_SHORT:-_SHORT]
+            until = since + PERIOD_S
+            times, _, _, yaws = drive._truth
+            turns = np.interp(until, times, yaws) - np.interp(since, times, yaws)
+            whole += float(((turns - drive.motion(since - lead, until - lead)[1]) ** 2).sum())
+        return whole
+
+    return min((float(lead) for lead in np.arange(-_SHORT, _SHORT + 1) * PERIOD_S / 2), key=missed)
 
 
 def _fix_variance(drives: list[Drive]) -> float:
