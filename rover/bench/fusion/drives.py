@@ -153,8 +153,8 @@ def calibrated(others: list[Drive]) -> Noise:
             rate = drive.motion(time - PERIOD_S, time + PERIOD_S)[1] / (2 * PERIOD_S)
             for landmark, (depth, bearing) in seen.items():
                 distance, angle = range_bearing(drive.true_pose(time), drive.landmarks[landmark])
-                missed = math.remainder(bearing - angle, 2 * math.pi)
-                sightings.append([depth / distance, math.cos(angle), math.sin(angle), 1 / distance, missed, rate])
+                beside = math.remainder(bearing - angle, 2 * math.pi)
+                sightings.append([depth / distance, math.cos(angle), math.sin(angle), 1 / distance, beside, rate])
     table = np.array(motions)
     true, by_odometry, (way, turn) = table[:, :3], table[:, 3:6], table[:, 6:].T
     squares = (by_odometry**2).sum(axis=0)
@@ -167,13 +167,13 @@ def calibrated(others: list[Drive]) -> Noise:
         return Noise(*motion, lead=lead, fix_variance=_fix_variance(others))
     sighted = np.array(sightings)
     sighted = sighted[_no_mistakes(sighted[:, 0] / sighted[:, 1]) & _no_mistakes(sighted[:, 4])]
-    depths, places, (missed, rate) = sighted[:, 0], sighted[:, 1:4], sighted[:, 4:].T
+    depths, places, (besides, rates) = sighted[:, 0], sighted[:, 1:4], sighted[:, 4:].T
     depth = np.linalg.lstsq(places, depths)[0]
-    delay, offset = np.polyfit(rate, missed, 1)
+    delay, offset = np.polyfit(rates, besides, 1)
     return Noise(
         *motion,
         tuple(depth.tolist()),
-        *map(float, (np.std(depths - places @ depth), offset, np.std(missed - delay * rate), delay, lead)),
+        *map(float, (np.std(depths - places @ depth), offset, np.std(besides - delay * rates), delay, lead)),
     )
 
 
