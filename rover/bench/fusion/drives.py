@@ -168,12 +168,12 @@ def calibrated(others: list[Drive]) -> Noise:
     sighted = np.array(sightings)
     sighted = sighted[_no_mistakes(sighted[:, 0] / sighted[:, 1]) & _no_mistakes(sighted[:, 4])]
     depths, places, (besides, rates) = sighted[:, 0], sighted[:, 1:4], sighted[:, 4:].T
-    depth = np.linalg.lstsq(places, depths)[0]
+    factors = np.linalg.lstsq(places, depths)[0]
     delay, offset = np.polyfit(rates, besides, 1)
     return Noise(
         *motion,
-        tuple(depth.tolist()),
-        *map(float, (np.std(depths - places @ depth), offset, np.std(besides - delay * rates), delay, lead)),
+        tuple(factors.tolist()),
+        *map(float, (np.std(depths - places @ factors), offset, np.std(besides - delay * rates), delay, lead)),
     )
 
 
