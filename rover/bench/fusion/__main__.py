@@ -36,7 +36,7 @@ def _score(drive: Drive, found: Mapping[float, Estimate], times: Sequence[float]
 
 def _judge(drive: Drive, noise: Noise) -> tuple[Sequence[str], str]:
     """Return the row of a drive, and what was said about it."""
-    drive = drive.undelayed(noise.delay).with_fix_variance(noise.fix_variance)
+    drive = drive.timed(noise.delay, noise.lead).with_fix_variance(noise.fix_variance)
     (ours, said), theirs = fused(drive, noise), filtered(drive, noise)
     times = sorted(ours.keys() & theirs.keys())
     scores = [

@@ -3,7 +3,7 @@
 Sources, none of which is part of this repository:
 
 - MRCLAM: Leung and others, The UTIAS multi-robot cooperative localization and mapping dataset, 2011. Five robots drive
-  among 15 landmarks with barcodes, and measure ranges and bearings; cameras on the ceiling tell the truth.
+  among 15 landmarks with barcodes, and measure depths and bearings; cameras on the ceiling tell the truth.
 - smartLoc: Reisdorf and others, The problem of comparable GNSS results, 2016. A car with the speed of its wheels, a
   gyroscope and the pseudoranges of a cheap GNSS receiver drives through a city; an expensive receiver tells the truth.
 """
@@ -24,8 +24,10 @@ Floats = NDArray[np.float64]
 
 PERIOD_S = 0.1
 """Time between two messages of odometry."""
-_WINDOW_S = 5.0
-"""Time over which motions are compared with the truth: far more than errors are alike."""
+_WINDOW_S = 20.0
+"""Time over which motions are compared with the truth: errors of turns are alike for many seconds."""
+_SHORT = 10
+"""Messages of odometry in one second: longer than any lead."""
 _LASTING = 50
 """Number of fixes after which their errors are others: ten seconds."""
 _FAR = 12.0
@@ -43,14 +45,19 @@ class Noise:
     """After one metre, or one radian."""
     distance_scale: float = 1.0
     turn_scale: float = 1.0
-    range_scale: float = 1.0
-    """Measured range, as a part of the true one."""
-    range_deviation: float = 1.0
-    """Standard deviation of the range, as a part of it: the errors are proportional to the range."""
+    depth: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    """Measured "range" of a landmark: factors of its distances ahead and to the left, and metres to add.
+
+    The ranges of MRCLAM are depths along the axis of a camera, which follow from the height of a barcode in the image.
+    """
+    depth_deviation: float = 1.0
+    """Standard deviation of the depth, as a part of the true range."""
     bearing_offset: float = 0.0
     bearing_deviation: float = 1.0
     delay: float = 0.0
     """Time in seconds between an image and the stamp of its sightings."""
+    lead: float = 0.0
+    """Time in seconds by which the odometry is ahead of the motion: that of MRCLAM has the commands of the robots."""
     fix_variance: float = 1.0
     """Factor by which variances of fixes are too small: their errors are larger, and last for many fixes."""
 
@@ -84,7 +91,7 @@ class Drive:
     start: float
     landmarks: Mapping[int, Floats] = field(default_factory=dict)
     sightings: Mapping[float, Mapping[int, tuple[float, float]]] = field(default_factory=dict)
-    """Range and bearing by the landmark and the time."""
+    """Depth (`Noise.depth`) and bearing by the landmark and the time."""
     fixes: Mapping[float, Fix] = field(default_factory=dict)
     datum: tuple[float, float] | None = None
     longest: float = math.inf
@@ -102,8 +109,8 @@ class Drive:
         """Columns of the truth, each in one piece of memory: interpolation would copy them otherwise."""
         return np.ascontiguousarray(self.truth.T)
 
-    def motion(self, since: float, until: float) -> Floats:
-        """Return the distance and the turn between two times, by odometry."""
+    def motion(self, since: float | Floats, until: float | Floats) -> Floats:
+        """Return the distance and the turn between two times, by odometry; both may be arrays."""
         times, *ways = self._ways
         return np.array([np.interp(until, times, way) - np.interp(since, times, way) for way in ways])
 
@@ -112,9 +119,10 @@ class Drive:
         times, *axes = self._truth
         return np.array([np.interp(time, times, axis) for axis in axes])
 
-    def undelayed(self, delay: float) -> Drive:
-        """Return the drive with stamps of the sightings that are those of the images."""
-        return replace(self, sightings={time - delay: seen for time, seen in self.sightings.items()})
+    def timed(self, delay: float, lead: float) -> Drive:
+        """Return the drive with stamps of the sightings and of the odometry that are those of the motion."""
+        sightings = {time - delay: seen for time, seen in self.sightings.items()}
+        return replace(self, sightings=sightings, odometry=np.add(self.odometry, [lead, 0, 0]))
 
     def with_fix_variance(self, factor: float) -> Drive:
         """Return the drive with the variances of fixes times a factor."""
@@ -130,7 +138,8 @@ class Drive:
 
 def calibrated(others: list[Drive]) -> Noise:
     """Return the errors of the sensors by other drives, whose truth is known."""
-    motions, ranges, bearings, rates = [], [], [], []
+    motions, sightings, lead = [], [], _lead(others)
+    others = [drive.timed(0.0, lead) for drive in others]
     for drive in others:
         for since in np.arange(drive.start, drive.times[-1] - _WINDOW_S, _WINDOW_S):
             pose = np.zeros(3)
@@ -141,11 +150,11 @@ def calibrated(others: list[Drive]) -> Noise:
                 way += abs(step)
             motions.append([*apart(drive.true_pose(since), drive.true_pose(since + _WINDOW_S)), *pose, *way])
         for time, seen in drive.sightings.items():
-            for landmark, (distance, bearing) in seen.items():
-                expected = range_bearing(drive.true_pose(time), drive.landmarks[landmark])
-                ranges.append(distance / expected[0])
-                bearings.append(math.remainder(bearing - expected[1], 2 * math.pi))
-                rates.append(drive.motion(time - PERIOD_S, time + PERIOD_S)[1] / (2 * PERIOD_S))
+            rate = drive.motion(time - PERIOD_S, time + PERIOD_S)[1] / (2 * PERIOD_S)
+            for landmark, (depth, bearing) in seen.items():
+                distance, angle = range_bearing(drive.true_pose(time), drive.landmarks[landmark])
+                beside = math.remainder(bearing - angle, 2 * math.pi)
+                sightings.append([depth / distance, math.cos(angle), math.sin(angle), 1 / distance, beside, rate])
     table = np.array(motions)
     true, by_odometry, (way, turn) = table[:, :3], table[:, 3:6], table[:, 6:].T
     squares = (by_odometry**2).sum(axis=0)
@@ -154,13 +163,34 @@ def calibrated(others: list[Drive]) -> Noise:
     along, side, turned = (missed**2).sum(axis=0).tolist()
     ways, whole = way.sum(), (way + turn).sum()
     motion = math.sqrt(along / ways), math.sqrt(side / ways), math.sqrt(turned / whole), scale, turn_scale
-    if not ranges:
-        return Noise(*motion, fix_variance=_fix_variance(others))
-    range_scale, range_deviation = np.mean(kept := _without_mistakes(ranges)[1]), np.std(kept)
-    which, missed = _without_mistakes(bearings)
-    delay, offset = np.polyfit(rate := np.array(rates)[which], missed, 1)
-    deviation = np.std(missed - delay * rate)
-    return Noise(*motion, *map(float, (range_scale, range_deviation, offset, deviation, delay)))
+    if not sightings:
+        return Noise(*motion, lead=lead, fix_variance=_fix_variance(others))
+    sighted = np.array(sightings)
+    sighted = sighted[_no_mistakes(sighted[:, 0] / sighted[:, 1]) & _no_mistakes(sighted[:, 4])]
+    depths, places, (besides, rates) = sighted[:, 0], sighted[:, 1:4], sighted[:, 4:].T
+    factors = np.linalg.lstsq(places, depths)[0]
+    delay, offset = np.polyfit(rates, besides, 1)
+    return Noise(
+        *motion,
+        tuple(factors.tolist()),
+        *map(float, (np.std(depths - places @ factors), offset, np.std(besides - delay * rates), delay, lead)),
+    )
+
+
+def _lead(drives: list[Drive]) -> float:
+    """Return the time in seconds by which the odometry is ahead of the motion: that with which its turns fit best."""
+
+    def missed(lead: float) -> float:
+        whole = 0.0
+        for drive in drives:
+            since = drive.times[_SHORT:-_SHORT]
+            until = since + PERIOD_S
+            times, _, _, yaws = drive._truth
+            turns = np.interp(until, times, yaws) - np.interp(since, times, yaws)
+            whole += float(((turns - drive.motion(since - lead, until - lead)[1]) ** 2).sum())
+        return whole
+
+    return min((float(lead) for lead in np.arange(-_SHORT, _SHORT + 1) * PERIOD_S / 2), key=missed)
 
 
 def _fix_variance(drives: list[Drive]) -> float:
@@ -181,12 +211,11 @@ def _fix_variance(drives: list[Drive]) -> float:
     return float(np.median(factors)) / math.log(2) if factors else 1.0
 
 
-def _without_mistakes(values: list[float]) -> tuple[NDArray[np.bool_], Floats]:
-    """Return which values are errors of a sensor and no mistakes, such as a wrong number, and these values."""
-    found = np.array(values)
-    distances = np.abs(found - np.median(found))
-    which = distances < _FAR * np.median(distances)
-    return which, found[which]
+def _no_mistakes(values: Floats) -> NDArray[np.bool_]:
+    """Return which values are errors of a sensor and no mistakes, such as a wrong number."""
+    distances = np.abs(values - np.median(values))
+    which: NDArray[np.bool_] = distances < _FAR * np.median(distances)
+    return which
 
 
 def moved(pose: Floats, distance: float, turn: float) -> Floats:

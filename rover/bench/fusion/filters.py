@@ -35,15 +35,18 @@ class GatedFilter:
         own = turned @ noise.covariance(distance, turn) @ turned.T
         self.covariance = carried @ self.covariance @ carried.T + own
 
-    def see(self, place: Floats, distance: float, bearing: float) -> None:
-        """Take the range and the bearing of a landmark."""
+    def see(self, place: Floats, depth: float, bearing: float) -> None:
+        """Take the depth and the bearing of a landmark."""
         noise = self._noise
         expected, angle = range_bearing(self.pose, place)
-        x, y = (place - self.pose[:2]) / expected
-        derivative = np.array([[-x, -y, 0], [y / expected, -x / expected, -1]])
+        x, y = expected * math.cos(angle), expected * math.sin(angle)
+        by_ahead, by_left, offset = noise.depth
+        sine, cosine = math.sin(self.pose[2]), math.cos(self.pose[2])
+        by_pose = np.array([[-cosine, -sine, y], [sine, -cosine, -x]])  # of the place (x, y) in the frame of the robot
+        derivative = np.array([[by_ahead, by_left], [-y / expected**2, x / expected**2]]) @ by_pose
         bearing = math.remainder(bearing - noise.bearing_offset - angle, 2 * math.pi)
-        missed = np.array([distance / noise.range_scale - expected, bearing])
-        self._correct(missed, derivative, np.diag([noise.range_deviation * expected, noise.bearing_deviation]) ** 2)
+        missed = np.array([depth - by_ahead * x - by_left * y - offset, bearing])
+        self._correct(missed, derivative, np.diag([noise.depth_deviation * expected, noise.bearing_deviation]) ** 2)
 
     def locate(self, fix: Fix) -> None:
         """Take a position by GNSS."""

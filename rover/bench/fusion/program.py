@@ -120,13 +120,20 @@ def _first(name: int, place: Floats) -> vision_msgs.Detection3DArray:
 
 def _sightings(seen: Mapping[int, tuple[float, float]], noise: Noise, stamp: int) -> vision_msgs.Detection3DArray:
     detections = []
-    for name, (distance, bearing) in seen.items():
-        distance, bearing = distance / noise.range_scale, bearing - noise.bearing_offset
-        cosine, sine = math.cos(bearing), math.sin(bearing)
-        turned = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
-        own = np.diag([distance * noise.range_deviation, distance * noise.bearing_deviation, _UNKNOWN_RAD]) ** 2
-        place = np.array([distance * cosine, distance * sine, 0.0])
-        detections.append(_detection(name, place, turned @ own @ turned.T))
+    by_ahead, by_left, offset = noise.depth
+    for name, (depth, bearing) in seen.items():
+        bearing -= noise.bearing_offset
+        way = np.array([math.cos(bearing), math.sin(bearing)])
+        aside = np.array([-way[1], way[0]])
+        along = way @ (by_ahead, by_left)
+        distance = (depth - offset) / along
+        by_depth, by_bearing = way / along, distance * (aside - way * (aside @ (by_ahead, by_left)) / along)
+        derivative = np.zeros((3, 3))
+        derivative[:2] = np.column_stack([by_depth, by_bearing, np.zeros(2)])
+        derivative[2, 2] = 1.0
+        own = np.diag([distance * noise.depth_deviation, noise.bearing_deviation, _UNKNOWN_RAD]) ** 2
+        place = np.array([*distance * way, 0.0])
+        detections.append(_detection(name, place, derivative @ own @ derivative.T))
     return vision_msgs.Detection3DArray(header_of(stamp, "base_link"), detections)
 
 

@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
+from statistics import median
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -65,12 +66,24 @@ class _Sighting(NamedTuple):
     place: PlanarGaussian
 
 
+class _Misfit(NamedTuple):
+    """Sighting of a landmark elsewhere, with its normalized squared innovation."""
+
+    sighting: _Sighting
+    squared: float
+
+
 class FieldGraph(Generic[T]):
     """Poses of a rover on a field with landmarks."""
 
-    def __init__(self, surveyed: Mapping[T, PlanarGaussian], reasons: Reasons) -> None:
-        """Begin without a pose; ``surveyed`` has the places of the landmarks by the survey."""
-        self._surveyed, self._reasons = surveyed, reasons
+    def __init__(
+        self, surveyed: Mapping[T, PlanarGaussian], reasons: Reasons, supposed: PlanarGaussian | None = None
+    ) -> None:
+        """Begin without a pose, or with one that is supposed at the first sighting.
+
+        ``surveyed`` has the places of the landmarks by the survey.
+        """
+        self._surveyed, self._reasons, self._supposed = surveyed, reasons, supposed
         self._trusted: frozenset[T] = frozenset()
         self._measured = gtsam.NonlinearFactorGraph()
         self._solver = _solver()
@@ -78,7 +91,7 @@ class FieldGraph(Generic[T]):
         self._landmarks = 0
         self._seen: Counter[T] = Counter()
         self._strange: dict[T, list[_Sighting]] = {}
-        self._misfits: Counter[T] = Counter()
+        self._misfits: dict[T, list[_Misfit]] = {}
         self._last: OdometryPoint | None = None
         self._last_seen: frozenset[T] = frozenset()
         self._used: dict[T, OdometryPoint] = {}
@@ -101,8 +114,29 @@ class FieldGraph(Generic[T]):
 
     @property
     def is_lost(self) -> bool:
-        """True if the pose contradicts the landmarks: several sightings of two, since a trusted one has fitted."""
-        return sum(count >= _SEVERAL for count in self._misfits.values()) >= _ENOUGH
+        """True if several images contradict the pose, and no trusted landmark has fitted since the first of them.
+
+        They show several landmarks, or two landmarks several times.
+        """
+        images = {one.sighting.key for found in self._misfits.values() for one in found}
+        repeated = sum(len(found) >= _SEVERAL for found in self._misfits.values())
+        return len(images) >= _SEVERAL and (len(self._misfits) >= _SEVERAL or repeated >= _ENOUGH)
+
+    def begun_again(self, point: OdometryPoint) -> FieldGraph[T]:
+        """Return a graph of a rover that is lost, from a point of the odometry on.
+
+        Its first pose is the last one, whose covariance grows by the factor by which the sightings contradict it.
+        """
+        last = [found[-1] for found in self._misfits.values()]
+        supposed = self.pose(point)
+        if supposed is not None:
+            factor = 1 + median(one.squared for one in last) / 3
+            supposed = PlanarGaussian(supposed.pose, factor * supposed.covariance)
+        graph = FieldGraph(self._surveyed, self._reasons, supposed)
+        motions = [one.sighting.point.motion_to(point).gaussian.inverse() for one in last]
+        places = [motion @ one.sighting.place for motion, one in zip(motions, last)]
+        graph.see(dict(zip(self._misfits, places)), point)
+        return graph
 
     @property
     def unknown(self) -> str:
@@ -139,26 +173,29 @@ class FieldGraph(Generic[T]):
             # The landmark that is seen best is believed until others contradict.
             best = min(detections, key=lambda landmark: float(np.trace(detections[landmark].covariance)))
             self._trusted = frozenset({best})
-            predicted = self._surveyed[best] @ detections[best].inverse()
+            predicted = self._supposed or self._surveyed[best] @ detections[best].inverse()
             start = state_of(predicted.pose, np.zeros(ERRORS))
-            factors.add(state_factor(gtsam.symbol("x", 0), 3, start[3:], _ANY_ERRORS))
+            factors.add(state_factor(first := gtsam.symbol("x", 0), 3, start[3:], _ANY_ERRORS))
+            if self._supposed:
+                noise = gtsam.noiseModel.Gaussian.Covariance(self._supposed.outer_covariance)
+                factors.add(state_factor(first, 0, start[:3], noise))
         else:
             predicted = self._predicted(point)
             start = self._follow(point, factors)
         key = self._add_pose(point, start, values)
         grown = False
         for landmark, place in detections.items():
-            sighting = _Sighting(key, point, place)
-            if self._fits(landmark, predicted @ place):
+            sighting, sight = _Sighting(key, point, place), predicted @ place
+            if self._fits(landmark, sight):
                 self._strange.pop(landmark, None)
                 if landmark in self._trusted:
                     self._misfits.clear()
                 if landmark not in self._keys:
                     self._add_landmark(landmark, predicted.pose @ place.pose, values)
                 sightings = [sighting]
-            elif self._is_other(landmark, predicted @ place):
+            elif self._is_other(landmark, sight):
                 continue
-            elif len(sightings := self._agreeing(landmark, sighting)) >= _SEVERAL:
+            elif len(sightings := self._agreeing(landmark, sighting, sight)) >= _SEVERAL:
                 del self._strange[landmark]
                 self._trusted -= {landmark}
                 self._add_landmark(landmark, predicted.pose @ place.pose, values)
@@ -201,8 +238,13 @@ class FieldGraph(Generic[T]):
             f"it is {known.pose.distance_to(sight.pose):.2f} m beside its place",
         )
 
-    def _agreeing(self, landmark: T, sighting: _Sighting) -> list[_Sighting]:
-        """Return the sightings that do not fit what is known, and that agree with the last one by the odometry."""
+    def _agreeing(self, landmark: T, sighting: _Sighting, sight: PlanarGaussian) -> list[_Sighting]:
+        """Return the sightings that do not fit what is known, and that agree with the last one by the odometry.
+
+        ``sight`` is the place on the field by the last one.
+        """
+        misfit = _Misfit(sighting, squared_distance(self._known(landmark), sight))
+        self._misfits.setdefault(landmark, []).append(misfit)
         agreeing = [
             one
             for one in self._strange.get(landmark, ())
@@ -210,7 +252,6 @@ class FieldGraph(Generic[T]):
             < gate_limit(3)
         ]
         self._strange[landmark] = [*agreeing, sighting]
-        self._misfits[landmark] += 1
         return self._strange[landmark]
 
     def _add_landmark(self, landmark: T, place: PlanarPose, values: Any) -> None:

@@ -107,14 +107,11 @@ class Fusion:
 
     def _start(self) -> None:
         self._track = OdometryTrack()
-        self._begin()
+        self._graph = FieldGraph(surveyed_places(self._landmarks), self.reasons)
+        self._moved: Mapping[TargetId, float] = {}
         self._covariance: list[float] = []
         self._without_covariance: UnknownCovariance | None = None
         self._waiting: list[tuple[int, Callable[[OdometryPoint], None]]] = []
-
-    def _begin(self) -> None:
-        self._graph = FieldGraph(surveyed_places(self._landmarks), self.reasons)
-        self._moved: Mapping[TargetId, float] = {}
 
     def tick(self) -> None:
         """Look whether odometry comes, without which there is no pose, and publish the reasons."""
@@ -226,8 +223,7 @@ class Fusion:
                 "no landmark fits any more: the wheels slip more than `slip` says, the rover was pushed, the gyroscope "
                 "has another bias or scale, or the mount of a camera is wrong; beginning again"
             )
-            self._begin()
-            self._graph.see(detections, point)
+            self._graph, self._moved = self._graph.begun_again(point), {}
 
     def _locate(self, position: Floats, covariance: Floats, point: OdometryPoint) -> None:
         self._graph.locate(position, covariance, point)

@@ -210,6 +210,20 @@ def test_a_landmark_that_is_moved_after_it_was_seen_is_dropped(
     assert told.startswith("landmark 8 is not used: it stands 0.")
 
 
+@pytest.mark.slow
+def test_a_rover_that_was_pushed_goes_on_from_a_less_certain_pose(
+    stack: ExitStack, caplog: pytest.LogCaptureFixture
+) -> None:
+    """There is always a pose, and sightings of two landmarks that fit no more correct it."""
+    with caplog.at_level(logging.INFO, logger="fusion"):
+        rover = _rover(3, stack, 9, logger=logging.getLogger("fusion"))
+        rover.model.pose = rover.model.pose @ PlanarPose(0.0, 1.0, 0.1)
+        rover.drive(14, lambda: None if rover.is_current else pytest.fail("no pose"))
+    assert _distance(rover.error) < 0.15
+    assert _squared(*rover.error) < 16.3  # exceeded once in a thousand cases
+    assert any(record.getMessage().startswith("no landmark fits any more") for record in caplog.records)
+
+
 def _ahead(message: Any, _: float) -> None:
     if isinstance(message, vision_msgs.Detection3DArray):
         message.header.stamp.sec += 5
@@ -241,21 +255,30 @@ def test_no_pose_has_a_reason(
     assert why.partition(":")[0] in f"{status.message} {status.values}"
 
 
-@pytest.mark.slow
-def test_gps_limits_the_error_while_no_landmark_is_seen(stack: ExitStack) -> None:
-    """The position is less uncertain than without GPS, and fits its covariance: errors of the odometry last."""
-    spread = {}
-    for gps in (False, True):
-        rover = FieldDrive(1, stack, gps=gps)
-        rover.stand(10)
-        rover.drive(10)
-        rover.sees = False
-        squared: list[float] = []
-        rover.drive(40, lambda: squared.append(_squared(*rover.error)))  # noqa: B023  # called before the next turn
-        spread[gps] = float(np.trace(rover.error[1][:2, :2]))
-        stack.close()
-    assert np.mean(squared) < 6
-    assert spread[True] < spread[False]
+@pytest.mark.parametrize(
+    ("seeds", "least", "most"),
+    [
+        pytest.param([1], 0, 6, marks=pytest.mark.slow),
+        pytest.param(range(4), 2, 4, marks=pytest.mark.exhaustive),
+    ],
+)
+def test_gps_limits_the_error_while_no_landmark_is_seen(
+    stack: ExitStack, seeds: list[int], least: float, most: float
+) -> None:
+    """The position is less uncertain than without GPS, and fits its covariance; the errors of one drive are alike."""
+    squared: list[float] = []
+    for seed in seeds:
+        spread = {}
+        for gps in (False, True):
+            rover = FieldDrive(seed, stack, gps=gps)
+            rover.stand(10)
+            rover.drive(10)
+            rover.sees = False
+            rover.drive(40, lambda: squared.append(_squared(*rover.error)) if gps else None)  # noqa: B023  # called now
+            spread[gps] = float(np.trace(rover.error[1][:2, :2]))
+            stack.close()
+        assert spread[True] < spread[False]
+    assert least < np.mean(squared) < most
 
 
 @pytest.mark.slow
