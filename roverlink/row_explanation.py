@@ -78,6 +78,9 @@ class Project:
             "peer": self._peer(row.peer, self.context.table.board_of(row)),
             "forward": [{**self._peer(one.peer), "limits": _text_of(one.limits)} for one in row.forward_settings],
             "send": _text_of(row.send.limits) if row.send else None,
+            "max_rate": route.max_rate,
+            "expect_rate": route.expect_rate,
+            "deadman": self._deadman(route.deadman),
             "priority": row.priority,
             "request": self._request(route),
             "qos": {
@@ -96,6 +99,13 @@ class Project:
             "files": self._files(route),
             "example": self._example(row),
         }
+
+    @staticmethod
+    def _deadman(deadman: ir.Deadman | None) -> dict[str, Any] | None:
+        if deadman is None:
+            return None
+        send = {path: value.hex() if isinstance(value, bytes) else value for path, value in deadman.send}
+        return {"after_ms": deadman.after_ms, "repeat_ms": deadman.repeat_ms, "send": send}
 
     def _member(self, number: int) -> ir.Member:
         return next(member for member in self.compiled.bridge.envelope.members if member.number == number)

@@ -149,6 +149,13 @@ def _print_row(said: dict[str, Any]) -> None:
         _line("forwarded", "; ".join(filter(None, (f"raw to {_peer(target)}", target["limits"]))))
     if said["send"]:
         _line("sent", said["send"])
+    if said["max_rate"]:
+        _line("limited", f"to {counted(said['max_rate'], 'message')} a second")
+    if said["expect_rate"]:
+        _line("expected", f"at least {counted(said['expect_rate'], 'message')} a second")
+    if deadman := said["deadman"]:
+        values = ", ".join(f"{path}: {value}" for path, value in deadman["send"].items()) or "all fields 0"
+        _line("deadman", f"after {deadman['after_ms']} ms of silence, every {deadman['repeat_ms']} ms: {values}")
     if said["priority"]:
         _line("priority", str(said["priority"]))
     for text in _request(said["request"]):

@@ -71,17 +71,26 @@ def test_the_history_of_the_number(called: Called) -> None:
 
 
 @pytest.mark.slow
-def test_the_smallest_limit_of_a_line_is_told(tmp_path: Path, called: Called) -> None:
-    """What a board sends is limited by the bridge, too."""
-    row = "  - {number: %d, name: %s, proto: Note, topic: %s, direction: %s}\n"
-    rows = row % (1, "up", "up", "board_to_ros") + row % (2, "down", "down", "ros_to_board")
+def test_the_limits_of_a_row_are_told(tmp_path: Path, called: Called) -> None:
+    """Sizes, rates and silence; what a board sends is limited by the bridge, too."""
+    row = "  - {number: %d, name: %s, proto: Note, topic: %s, direction: %s, %s}\n"
+    rows = row % (1, "up", "up", "board_to_ros", "max_rate: 5, expect_rate: 2")
+    rows += row % (2, "down", "down", "ros_to_board", "deadman: {after: 300ms, repeat: 1s, send: {x: 7}}")
     table = usual_table(f'peers: {{board: {{host: "serial:/dev/ttyACM0"}}}}\nmessages:\n{rows}')
     (tmp_path / "proto").mkdir()
     (tmp_path / "proto/note.proto").write_text('syntax = "proto3";\nmessage Note { uint32 x = 1; }\n')
     (tmp_path / "mapping.yaml").write_text(table)
-    limits = {"up": "the bridge accepts at most 1472 (parameter max_datagram)", "down": "its line carries at most 4096"}
-    for name, limit in limits.items():
-        assert f"as nanopb does; {limit}\n" in called("explain", name, "--table", tmp_path / "mapping.yaml")[1]
+    limits = {
+        "up": [
+            "the bridge accepts at most 1472 (parameter max_datagram)",
+            "to 5 messages a second",
+            "at least 2 messages",
+        ],
+        "down": ["as nanopb does; its line carries at most 4096", "after 300 ms of silence, every 1000 ms: x: 7"],
+    }
+    for name, wanted in limits.items():
+        said = called("explain", name, "--table", tmp_path / "mapping.yaml")[1]
+        assert not [one for one in wanted if one not in said]
 
 
 @pytest.mark.slow
