@@ -79,8 +79,8 @@ fuzz-native: $(call ready,dev)  ## both directions of the native core and its re
 
 lint: $(VENV)/ready-full  ## ruff, black, mypy --strict, whether generated/ is what mapping.yaml says, and the numbers
 	$(BIN)/ruff check .
-	$(BIN)/ruff format --check --diff .
-	$(BIN)/black --quiet --check --diff --line-length 88 generated
+	$(BIN)/ruff format --quiet --check --diff .
+	$(BIN)/black --quiet --check --diff generated
 	$(BIN)/mypy
 	$(BIN)/python -m $(RUNTIME_INTERFACES) --check
 	$(BIN)/roverlink generate --check
