@@ -118,14 +118,16 @@ class CppSource:
         """Find the classes, and to which class each function belongs, by the text before each opening brace."""
         stack: list[tuple[str, str, int]] = []  # kind, qualified name, start
         start, position, text, function = 0, 0, self.text, ""
-        depth = 0  # of the parentheses around the position
+        depth, is_odd = 0, False  # depth of the parentheses around the position
         while position < len(text):
             character = text[position]
             if character in "\"'":
                 position = _end_of_literal(text, position)
                 continue
-            if character == "{" and depth:  # a value, such as QoS{10}, or a lambda
-                position = (self._closing(position) or position) + 1
+            if character == "{" and depth and not is_odd:  # a value, such as QoS{10}, or a lambda
+                end = self._closing(position)
+                is_odd = end is None  # brackets of which a preprocessor condition leaves one out
+                position = (end or position) + 1
                 continue
             if character == "{":
                 outer = next((name for kind, name, _ in reversed(stack) if kind in ("namespace", "class")), "")
