@@ -41,6 +41,7 @@ class Rocks : public nav2_costmap_2d::Layer { };
 """,
     "src/server.cpp": """
 // declare_parameter("in_a_comment", 1);
+const char CAMERA[] = "eye/image";
 namespace my_layers {
 Server::Server(const rclcpp::NodeOptions & options)
 : Base("rock_server", options), listener_{nullptr} {
@@ -66,6 +67,7 @@ Server::Server(const rclcpp::NodeOptions & options)
   pub_ = create_publisher<std_msgs::msg::Empty>(text.str().c_str(), 1);
   pub_ = create_publisher<std_msgs::msg::Empty>(known_later(1), 1);
   pub_ = create_publisher<std_msgs::msg::Char>("bare");
+  camera_ = image_transport::create_camera_publisher(this, CAMERA, rclcpp::QoS{9}.get_rmw_qos_profile());
 }
 Base::Base(const std::string & name, const rclcpp::NodeOptions & options) : Node(name, options) {
   declare_parameter("count", 9);
@@ -137,6 +139,8 @@ def test_topics_have_types_and_qos(catalogue: dict[str, Any]) -> None:
         dict(zip(keys, values))
         for values in (
             ("publisher", "bare", "std_msgs/msg/Char", "reliable", "volatile"),
+            ("publisher", "eye/camera_info", "sensor_msgs/msg/CameraInfo", "reliable", "volatile"),
+            ("publisher", "eye/image", "sensor_msgs/msg/Image", "reliable", "volatile"),
             ("publisher", "rocks/base_link", "std_msgs/msg/Empty", "reliable", "volatile"),
             ("publisher", "rocks/map", "nav_msgs/msg/OccupancyGrid", "reliable", "transient_local"),
             ("publisher", 'say " + base_link', "std_msgs/msg/Bool", "reliable", "volatile"),

@@ -412,25 +412,37 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters("ekf", "frequency:"),
         ["fatal LCH101"],
     ),
-    "too few values": (
+    "too few values, which the node ignores and refuses": (
         "",
-        _parameters("ekf_filter_node", "odom0: /odom", "odom0_config: [true, false]"),
-        ["error PAR108"],
+        _parameters("ekf_filter_node", "odom0: /odom", "initial_state: [0.0]", "odom0_config: [true, false]"),
+        ["warning PAR108", "error PAR108"],
     ),
-    "too few values, which the node ignores": (
-        "",
-        _parameters("ekf_filter_node", "initial_state: [0.0]", "frequency: 30.0"),
-        ["warning PAR108"],
+    "inputs that a multiplexer refuses": (
+        _node("twist_mux", "twist_mux"),
+        _parameters("twist_mux", "topics: {a: {topic: a, timeout: 1, priority: 300}, b: {topic: b, priority: 1}}"),
+        ["error PAR103 write 1.0", "warning PAR104", "error PAR110 set 'topics.b.timeout'"],
+    ),
+    "a parameter of a controller in the section of its manager": (
+        _node("controller_manager", "ros2_control_node"),
+        _parameters("controller_manager", "drive: {type: diff_drive_controller/DiffDriveController, update_rate: 5}"),
+        ["warning PAR102 it belongs to the section 'drive'"],
+    ),
+    "parameters above the name of the node": (
+        _node("robot_localization", "ekf_node", name="ekf"),
+        "ros__parameters:\n  ekf: {frequency: 30.0}\n",
+        ["fatal LCH101"],
     ),
     "a plugin without a type": (
         "",
         _COSTMAP_OF + "{plugins: [static_layer]}\n",
         ["error PLG101 set 'static_layer.plugin'"],
     ),
-    "a polygon without a type": (
+    "a polygon without a type, and a circle without a radius": (
         "",
-        _parameters("collision_monitor", "polygons: [Stop]", "Stop: {action_type: stop}"),
-        ["error PAR110 set 'Stop.type'"],
+        _parameters(
+            "collision_monitor", "polygons: [A, B]", "A: {action_type: stop}", "B: {action_type: stop, type: circle}"
+        ),
+        ["error PAR110 set 'A.type'", "error PAR110 set 'B.radius'"],
     ),
     "a footprint that is no polygon": (
         "",
@@ -463,15 +475,13 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         ["error PLG101 did you mean 'nav2_navfn_planner/NavfnPlanner'?"],
     ),
     "a range that the node corrects": ("", _parameters("imu_filter_madgwick", "world_frame: ENU"), ["warning PAR104"]),
-    "seven words for a transform": (
-        "  - node: {pkg: tf2_ros, exec: static_transform_publisher, args: 0 0 0 0 0 a b}\n",
+    "transforms with seven words, with a period, and with a letter": (
+        "".join(
+            f"  - node: {{pkg: tf2_ros, exec: static_transform_publisher, args: {words}}}\n"
+            for words in ("0 0 0 0 0 a b", "0 0 0 0 0 0 a b 100", "--yaw c --frame-id a --child-frame-id b")
+        ),
         "",
-        ["error LCH109"],
-    ),
-    "a transform with a period": (
-        "  - node: {pkg: tf2_ros, exec: static_transform_publisher, args: 0 0 0 0 0 0 a b 100}\n",
-        "",
-        ["error LCH109"],
+        ["error LCH109"] * 3,
     ),
     "a node that has no lifecycle": (
         _node("robot_localization", "ekf_node", name="ekf", param="")
@@ -515,6 +525,13 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "",
         ["fatal LCH101"],
     ),
+    "a condition that Python has compared": (
+        _ACTIONS.replace("launch_ros.actions", "launch.conditions import *\nfrom launch_ros.actions", 1)
+        % "Node(package='a', executable='b', condition=IfCondition('a' == 'b'))",
+        "",
+        ["fatal LCH101"],
+    ),
+    "a list in place of a description": ("def generate_launch_description():\n    return []\n", "", ["fatal LCH101"]),
     "a list in place of an action": (_ACTIONS % "[Node(package='a', executable='b')]", "", ["fatal LCH101"]),
     "a name that ROS 2 refuses": (
         _node("rviz2", "rviz2", name="my-rviz", param=""),

@@ -21,6 +21,7 @@ from sensor_msgs.msg import JointState
 class Driver(Node):
     def __init__(self):
         super().__init__('driver')
+        self.parts[0] = True
         self.declare_parameter('rate', 10.0)
         self.declare_parameters('joint', [('names', ['a', 'b'])])
         self.topic = self.declare_parameter('topic', 'joints').value

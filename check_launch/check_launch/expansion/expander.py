@@ -75,6 +75,7 @@ from roverlink.generator.diagnostics import Diagnostic, Rule, Span
 _DEEPEST = 30  # includes within includes
 _MOST_INCLUDES = 1000
 _MOST_NODES = 5000
+_MOST_MEANT = 3  # names in advice
 _MOST_VARIATIONS = 200
 _WRONG_NODE = re.compile(r"[^A-Za-z0-9_]|^\d")
 _WRONG_TOPIC = re.compile(r"[^A-Za-z0-9_/~{}:*\\]|(?:^|/)\d")
@@ -520,7 +521,9 @@ class _Run:
             ):
                 shown = self._expander.shown(path) if missing is None else f"{missing[1]} of {missing[0]}"
                 new = stated_facts().new_name(text, self.result.declared.__contains__)
-                help = f"it is now '{new}'" if new else did_you_mean(all_nearest(text, self.result.declared, 0.8))
+                near = all_nearest(text, self.result.declared, 0.8)
+                near = near or [name for name in self.result.declared if name.startswith(f"{text}_")]
+                help = f"it is now '{new}'" if new else did_you_mean(near if len(near) <= _MOST_MEANT else [])
                 finding = UndeclaredArgument.at(place, f"{shown} has no argument '{text}'", help)
                 self.result.findings.append(as_warning(finding))
 

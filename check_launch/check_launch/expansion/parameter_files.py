@@ -80,7 +80,8 @@ class ParameterFile:
         """Read the file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
         text = text_of_file(path, shown)
         self._root, self._shown = compose(text, shown), shown
-        self.refused = next(chain(_refusals(self._root, shown, False), _aliases(text, shown)), None)
+        refusals = chain(_without_node(self._root, shown), _refusals(self._root, shown, False), _aliases(text, shown))
+        self.refused = next(refusals, None)
         """First message and place of what rcl_yaml_param_parser refuses; rewriting the file removes it."""
         self._has_sections = _has_sections(self._root)
         self._with_substitutions = list(dict.fromkeys(_with_substitutions(self._root)))
@@ -126,6 +127,13 @@ def _with_substitutions(node: yaml.Node | None) -> Iterator[str]:
 def _has_sections(node: yaml.Node | None) -> bool:
     pairs = node.value if isinstance(node, yaml.MappingNode) else ()
     return any(key.value == KEY or _has_sections(value) for key, value in pairs)
+
+
+def _without_node(root: yaml.Node | None, shown: str) -> Iterator[tuple[str, Span]]:
+    """Yield message and place of parameters above all names (``There are no node names before ros__parameters``)."""
+    for key, _ in root.value if isinstance(root, yaml.MappingNode) else ():
+        if key.value == KEY:
+            yield f"'{KEY}' stands above the name of the node: put it below the name", place_of(key, shown)
 
 
 def _refusals(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterator[tuple[str, Span]]:

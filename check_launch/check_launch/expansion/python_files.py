@@ -67,6 +67,9 @@ class PythonFile:
                 raise UnreadableFileError(Span(self._shown, self._declaration), f"{_FUNCTION} returns None")
             if isinstance(found, Ignored):
                 raise UnknownTextError(f"what {_FUNCTION} returns")
+            if isinstance(found, list | tuple | Action):
+                message = f"{_FUNCTION} returns no LaunchDescription: write LaunchDescription([...]) around the actions"
+                raise UnreadableFileError(Span(self._shown, self._declaration), message)
             return actions_of(found)
 
     def called(self, function: Any, context: Context) -> list[Action]:

@@ -69,6 +69,8 @@ class LaunchDescription:
     """Result of a launch file: a list of actions."""
 
     def __init__(self, initial_entities: Iterable[Any] | None = None, **_: Any) -> None:
+        if isinstance(initial_entities, Action):
+            raise TypeError("LaunchDescription takes a list: write LaunchDescription([...]) around the actions")
         self.entities = list(initial_entities or ())
 
     def add_action(self, action: Any) -> None:
@@ -89,7 +91,7 @@ class IfCondition:
     wanted = True
 
     def __init__(self, predicate_expression: Any) -> None:
-        self.expression = predicate_expression
+        self.expression = _text("the condition", predicate_expression)
 
     def evaluate(self, context: Context) -> bool:
         """Return true if the condition holds."""
@@ -397,14 +399,15 @@ class StandIns:
         self, name: str, *, default_value: Any = None, description: Any = None, choices: Any = None, **options: Any
     ) -> Action:
         place = self._file.place_of(name, self.place())
+        _text("'default_value'", default_value)
         action = DeclareArgument(place, None, name, default_value, tuple(choices or ()), str(description or ""))
         return _with(action, options, "default_value", "description", "choices")
 
     def _set_configuration(self, name: Any, value: Any, **options: Any) -> Action:
-        return _with(SetConfiguration(self.place(), None, name, value), options)
+        return _with(SetConfiguration(self.place(), None, name, _text("'value'", value)), options)
 
     def _set_environment(self, name: Any, value: Any, **options: Any) -> Action:
-        return _with(SetEnvironment(self.place(), None, name, value), options)
+        return _with(SetEnvironment(self.place(), None, name, _text("'value'", value)), options)
 
     def _group(
         self, actions: Iterable[Any], *, scoped: bool = True, launch_configurations: Any = None, **options: Any
@@ -454,6 +457,10 @@ class StandIns:
         place = self.place()
         if not isinstance(parameters, list | Ignored | None):
             raise TypeError("'parameters' must be a list, such as [{'rate': 5.0}, 'file.yaml']")
+        if not isinstance(remappings, Ignored) and not all(_is_pair(pair) for pair in remappings or ()):
+            raise TypeError("'remappings' must be a list of pairs, such as [('scan', '/lidar/scan')]")
+        for option, value in {"package": package, "executable": executable, "name": name}.items():
+            _text(f"'{option}'", value)
         action = StartNode(
             place,
             None,
@@ -547,14 +554,23 @@ def _with(action: Made, options: Mapping[str, Any], *known: str) -> Made:
     return action
 
 
+def _is_pair(pair: Any) -> bool:
+    return isinstance(pair, Ignored) or (isinstance(pair, tuple) and len(pair) == 2)  # source and target
+
+
+def _text(what: str, text: Any) -> Any:
+    """Return a text, or texts in a row. Raises `TypeError`, as `launch` does, if it is or contains a number."""
+    wrong = [part for part in (text if isinstance(text, list | tuple) else [text]) if isinstance(part, int | float)]
+    if wrong:
+        raise TypeError(f"{what} contains {wrong[0]!r}, which is no text: write '{wrong[0]}' with quotation marks")
+    return text
+
+
 def _words(option: str, words: Any) -> list[Any]:
-    """Return the words of a command line. Raises `TypeError`, as `launch` does, if one of them is no text."""
+    """Return the words of a command line. Raises `TypeError` if one of them is no text."""
     if isinstance(words, str):
         raise TypeError(f"'{option}' must be a list of texts, not one text")
-    found = list(words or ())
-    wrong = next((word for word in found if isinstance(word, int | float)), None)
-    if wrong is not None:
-        raise TypeError(f"'{option}' contains {wrong!r}, which is no text: write '{wrong}' with quotation marks")
+    found: list[Any] = _text(f"'{option}'", list(words or ()))
     return found
 
 

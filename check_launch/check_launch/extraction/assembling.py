@@ -306,11 +306,12 @@ class Assembler:
             key.startswith("{plugin}.") for parameter in facts.parameters for key in self._spelled(parameter, name)
         )
         prefix = "{plugin}." if is_plugin else ""
-        for key, stated in self._supplement.parameters.get(name, {}).items():
-            yield prefix + key, _parameter(stated)
+        all_stated = [(prefix + key, stated) for key, stated in self._supplement.parameters.get(name, {}).items()]
         if self._is_node(name) and not prefix:
-            of_all = self._supplement.parameters[""].items()
-            yield from ((key, _parameter(stated)) for key, stated in of_all if self._is_for(stated))
+            all_stated += self._supplement.parameters[""].items()
+        for key, stated in all_stated:
+            if self._is_for(stated):
+                yield key, _parameter(stated, self._distribution)
 
     def _is_for(self, stated: Mapping[str, Any]) -> bool:
         """Return true if a statement of the supplement holds for the distribution."""
@@ -389,17 +390,20 @@ def _lists(stated: Mapping[str, Any]) -> set[str]:
 
 def _merged(first: Parameter, second: Parameter) -> Parameter:
     """Join two facts about one parameter: the first comes from the class itself, or from the supplement."""
-    is_stated = second.choices or second.minimum is not None or second.maximum is not None or not first.type
-    return second if is_stated else first
+    if second.choices or second.minimum is not None or second.maximum is not None:
+        first, second = second, first
+    default = second.default if first.default is None else first.default
+    return replace(first, type=first.type or second.type, default=default)
 
 
-def _parameter(stated: Mapping[str, Any]) -> Parameter:
+def _parameter(stated: Mapping[str, Any], distribution: str) -> Parameter:
+    choices = stated.get("choices", ())
     return Parameter(
         stated.get("type", ""),
         stated.get("default"),
         stated.get("minimum"),
         stated.get("maximum"),
-        tuple(stated.get("choices", ())),
+        tuple(choices[distribution] if isinstance(choices, Mapping) else choices),
     )
 
 

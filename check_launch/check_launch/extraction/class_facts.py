@@ -37,6 +37,8 @@ _ENDPOINTS = {
     "create_subscription": "subscription",
     "create_service": "service",
     "create_client": "client",
+    "create_camera_publisher": "publisher",
+    "create_camera_subscription": "subscription",
 }
 _READING = frozenset({"get_parameter", "get_parameter_or"})
 _MAKING = frozenset({"make_unique", "make_shared"})
@@ -64,6 +66,7 @@ _HARMLESS = frozenset(
         "ParamListener",
     }
     | {"create_service", "create_generic_subscription", "CameraInfoManager", "JointStateListener", "sizeof", "Rate"}
+    | {"SyncParametersClient", "AsyncParametersClient"}
     | set(_DECLARING)
 )
 """Functions and classes that declare no parameters of a node."""
@@ -256,6 +259,8 @@ class _PackageReader:
             if call.function == "create_client" and "rclcpp_action" in _before(source, call):
                 kind, arguments = "action_client", [argument for argument in arguments if '"' in argument][:1]
             self._note_endpoint(source, call, kind, type_, arguments)
+            if "camera" in call.function:
+                self._note_camera_info(call.owner)
         elif call.function == "subscribe" and len(call.arguments) > 1 and arguments:
             type_ = self._filtered_type(source, call)
             if type_:
@@ -337,6 +342,14 @@ class _PackageReader:
         endpoints = self._facts(call.owner).endpoints
         if fact not in endpoints:
             endpoints.append(fact)
+
+    def _note_camera_info(self, owner: str) -> None:
+        """Add the topic camera_info beside the topic of images that was noted last (image_transport)."""
+        facts = self._facts(owner)
+        image = facts.endpoints[-1]
+        facts.is_partial |= "$(" in image.name
+        folder, slash, _ = image.name.rpartition("/")
+        facts.endpoints.append(replace(image, name=f"{folder}{slash}camera_info", type="sensor_msgs/msg/CameraInfo"))
 
     def _with_parameters(self, pattern: str, owner: str, source: CppSource) -> str:
         def replaced(match: re.Match[str]) -> str:

@@ -16,6 +16,7 @@ _WORD = re.compile(r'"([^"]*)"|([^\s"]+)')
 _ENTRY_POINT = re.compile(r"(?:['\"]|^)\s*([\w.-]+)\s*=\s*([\w.]+):\w+\s*(?:['\"]|$)", re.MULTILINE)
 _OPEN = frozenset({"foreach", "macro", "function", "while"})
 """Commands of CMake whose executables may have other names than the text says."""
+_MAIN = re.compile(r"\bmain\s*\(")
 _MADE = re.compile(r"(?:make_shared|make_unique)\s*<\s*([\w:]+)")
 
 
@@ -104,11 +105,11 @@ class _Build:
 
     def _class_of(self, folder: Path, files: Iterable[str]) -> str:
         """Return the class of the node that a program's main function creates: not of what the node gets."""
-        for path in (folder / name for name in files):
-            if not path.is_file():
-                continue
-            text = path.read_text(encoding="utf-8", errors="replace")
-            main = text[max(0, text.find("main(")) :]
+        paths = [folder / name for name in files]
+        texts = [path.read_text(encoding="utf-8", errors="replace") for path in paths if path.is_file()]
+        for text in [text for text in texts if _MAIN.search(text)] or texts:
+            begin = _MAIN.search(text)
+            main = text[begin.start() if begin else 0 :]
             words = [self._short[word] for word in re.findall(r"\b(\w+)\s+\w+\s*[({;]", main) if word in self._short]
             made: list[str] = [*_MADE.findall(main), *_MADE.findall(text), *words]
             if made:

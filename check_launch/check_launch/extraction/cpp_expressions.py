@@ -285,7 +285,7 @@ def first_values(texts: Sequence[str], name: str) -> str | None:
         rf"[:,]\s*{escaped}\s*[({{](?P<v>(?:[^(){{}}]|[({{][^(){{}}]*[)}}])*)[)}}]\s*(?=[,{{]|\n)"
     )
     declared = re.compile(
-        rf"(?:^|[;{{}}:\n])\s*{_QUALIFIERS}[\w:]+(?:<[^<>;]*>)?\s*[&*]?\s+{escaped}\s*"
+        rf"(?:^|[;{{}}:\n])\s*{_QUALIFIERS}[\w:]+(?:<[^<>;]*>)?\s*[&*]?\s+{escaped}\s*(?:\[\]\s*)?"
         rf"(?:=\s*(?P<a>{_STATEMENT}+);|\{{(?P<b>[^;]*)\}}\s*;|\((?P<c>\"[^;]*)\)\s*;)"
     )
     defined = re.compile(rf"^\s*#define\s+{escaped}\s+(?P<d>\"[^\n]*\"|[-\d.]+)\s*$", re.MULTILINE)

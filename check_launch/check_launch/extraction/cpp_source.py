@@ -118,10 +118,16 @@ class CppSource:
         """Find the classes, and to which class each function belongs, by the text before each opening brace."""
         stack: list[tuple[str, str, int]] = []  # kind, qualified name, start
         start, position, text, function = 0, 0, self.text, ""
+        depth, is_odd = 0, False  # depth of the parentheses around the position
         while position < len(text):
             character = text[position]
             if character in "\"'":
                 position = _end_of_literal(text, position)
+                continue
+            if character == "{" and depth and not is_odd:  # a value, such as QoS{10}, or a lambda
+                end = self._closing(position)
+                is_odd = end is None  # brackets of which a preprocessor condition leaves one out
+                position = (end or position) + 1
                 continue
             if character == "{":
                 outer = next((name for kind, name, _ in reversed(stack) if kind in ("namespace", "class")), "")
@@ -135,8 +141,9 @@ class CppSource:
                 kind, name, began = stack.pop()
                 if kind in ("function", "class"):
                     self._owners.append((began, position, name, kind == "class"))
+            depth = max(0, depth + (character == "(") - (character == ")"))
             if character in "{};":
-                start = position + 1
+                start, depth = position + 1, 0
             position += 1
 
     def _block(self, header: str, outer: str, in_function: bool, function: str) -> tuple[str, str]:

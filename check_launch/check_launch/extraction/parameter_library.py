@@ -61,6 +61,8 @@ def _parameter(stated: Mapping[str, Any]) -> Parameter:
             minimum, maximum = values
         elif function in ("gt_eq", "lower_bounds") and values:
             minimum = values[0]
+        elif function == "gt" and values and stated["type"] == "int":
+            minimum = values[0] + 1
         elif function in ("lt_eq", "upper_bounds") and values:
             maximum = values[0]
         elif function == "one_of" and values and isinstance(values[0], list):

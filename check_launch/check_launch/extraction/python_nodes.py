@@ -143,6 +143,8 @@ class _Module:
         for part in ast.walk(node):
             if isinstance(part, ast.Assign) and len(part.targets) == 1:
                 target = _dotted(part.targets[0])
+                if not target or target.startswith("."):
+                    continue  # an item of a list, or a part of one
                 values[target] = part.value
                 if read := _read_parameter(part.value):
                     links[target] = read

@@ -50,4 +50,6 @@ def qos_of(expression: str, scope: Scope, linked: Callable[[str], str], is_topic
     durability = next((value for pattern, value in _DURABILITY if re.search(pattern, text)), base[1])
     if "?" in text or scope.is_conditional(expression.strip()):
         durability = ""  # a parameter decides
+        if "SensorDataQoS" in text:
+            reliability = ""  # it decides about the whole profile
     return reliability, durability

@@ -90,6 +90,7 @@ class Checker:
             for name, package in catalogue.packages.items()
             for path, actions in package.launch_files.items()
         }
+        self._own = {name for name, package in catalogue.packages.items() if package.source == OWN_SOURCE}
         self._known = [
             (endpoint.kind, endpoint.name)
             for package in catalogue.packages.values()
@@ -209,7 +210,9 @@ class Checker:
         yield from system.findings
         yield from parameter_findings(system, variants)
         yield from node_findings(system)
-        yield from topic_findings(system, variants, self._known, complete)
+        # Programs of this project may run beside the launch files of this project, not beside those of others.
+        own = any(node.started.package in self._own for node in system.nodes)
+        yield from topic_findings(system, variants, self._known if own else (), complete)
         yield from frame_findings(system, complete)
 
 

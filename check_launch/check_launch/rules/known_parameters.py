@@ -17,6 +17,7 @@ from check_launch.rules.stated_facts import stated_facts
 from roverlink.generator.diagnostics import Span
 
 _LIST = re.compile(r"\{([^{}#*]+)\}")
+_FREE = re.compile(r"\{[#*]\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
 _NUMBER = r"(0|[1-9]\d*)"
 _ANY_NAME = r"[^.]+"
@@ -98,7 +99,17 @@ class ParameterView:
 
     def may_have(self, name: str) -> bool:
         """Return true for a parameter that is known, or one that an unknown class may have."""
-        return self.known(name) is not None or (self.is_open(name) and not self.is_misspelt(name))
+        is_other = self.is_misspelt(name) or self.loaded_node(name)
+        return self.known(name) is not None or (self.is_open(name) and not is_other)
+
+    def loaded_node(self, name: str) -> str:
+        """Return the node to which a parameter belongs by its beginning, if this node creates it for a plugin.
+
+        Such a node, a controller, has a section of its own.
+        """
+        own = name.partition(".")[0]
+        is_loaded = any(inner.type_parameter.replace("{*}", own) in self.given for inner in self.facts.nodes)
+        return own if "." in name and is_loaded else ""
 
     def is_misspelt(self, name: str) -> bool:
         """Return true for the misspelling of a parameter that is known and not given."""
@@ -115,12 +126,6 @@ class ParameterView:
         given = self.given.get("plugin_lib_names")
         names = given.value if given is not None else []
         return not isinstance(names, list) or not set(map(str, names)) <= set(stated_facts().tree_nodes)
-
-    def class_of(self, plugin: str) -> str:
-        """Return the class of a plugin, whose parameters begin with a text; empty if it is not known."""
-        types = (one.type for one in self.plugins if f"{one.name}." == plugin)
-        found = self.catalogue.plugins.get(next(types, None) or "")
-        return found.class_name if found else ""
 
     def value(self, name: str) -> Any:
         """Return the value of a parameter, or its default; `UNKNOWN` if neither is known, None if there is none."""
@@ -187,15 +192,16 @@ class ParameterView:
             yield from self.spelled(text.replace(match[0], name), prefix)
 
     def _numbered(self, text: str, prefix: str) -> Iterator[str]:
-        """Yield a text once for each number of a parameter like ``odom0`` that is given."""
-        match = _VALUE.search(text)
-        if "{#}" not in text or match is None:
+        """Yield a text once for each parameter like ``odom0`` (`{#}`) or ``topics.joy.topic`` (`{*}`) that is given."""
+        match, variable = _VALUE.search(text), _FREE.search(text)
+        if variable is None or match is None:
             yield text
             return
-        pattern = re.compile(re.escape(prefix + match[1]).replace(r"\{\#\}", _NUMBER))
+        inner = _NUMBER if variable[0] == "{#}" else f"({_ANY_NAME})"
+        pattern = re.compile(re.escape(prefix + match[1]).replace(re.escape(variable[0]), inner))
         for name in self.given:
             if found := pattern.fullmatch(name):
-                yield text.replace("{#}", found[1])
+                yield text.replace(variable[0], found[1])
 
     def _add(self, facts: NodeClass, prefix: str, seen: set[str], parent: str = "") -> None:
         """Add the parameters of a class whose names begin with ``prefix``, and those of its plugins.

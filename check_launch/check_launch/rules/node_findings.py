@@ -5,15 +5,15 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 
 from check_launch.expansion.parameter_files import UNKNOWN, GivenValue
-from check_launch.misspellings import did_you_mean, is_misspelling, misspelt, nearest
+from check_launch.misspellings import did_you_mean, is_misspelling, misspelt
 from check_launch.rules.known_parameters import ParameterView
 from check_launch.rules.launch_rules import (
     BadPolygon,
     MissingParameter,
     NotManaged,
-    OutOfRange,
     PluginTwice,
     RefusedArguments,
     WrongLength,
@@ -25,22 +25,8 @@ from roverlink.generator.diagnostics import Diagnostic
 from roverlink.numerals import counted
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
-_OPTIONS = frozenset(
-    {
-        "--x",
-        "--y",
-        "--z",
-        "--qx",
-        "--qy",
-        "--qz",
-        "--qw",
-        "--roll",
-        "--pitch",
-        "--yaw",
-        "--frame-id",
-        "--child-frame-id",
-    }
-)
+_NUMBERS = ("--x", "--y", "--z", "--roll", "--pitch", "--yaw", "--qx", "--qy", "--qz", "--qw")
+_FRAMES = ("--frame-id", "--child-frame-id")
 """Options of static_transform_publisher (tf2_ros/src/static_transform_broadcaster_program.cpp)."""
 _LEAST_POINTS = 3
 
@@ -49,7 +35,6 @@ def value_findings(view: ParameterView) -> Iterator[Diagnostic]:
     """Yield findings about values that the node refuses, and about parameters without which it does not start."""
     for given in view.given.values():
         yield from _of_length(given, view)
-    yield from _of_choices(view)
     yield from _of_polygons(view)
     yield from _of_needed(view)
     yield from _of_built_in_plugins(view)
@@ -62,20 +47,6 @@ def _of_length(given: GivenValue, view: ParameterView) -> Iterator[Diagnostic]:
         values = counted(len(given.value), "value")
         finding = WrongLength.at(given.place, f"'{given.name}' has {values}; it must have {wanted}")
         yield as_warning(finding) if given.name in stated_facts().tolerated else finding
-
-
-def _of_choices(view: ParameterView) -> Iterator[Diagnostic]:
-    for plugin in ("", *(f"{one.name}." for one in view.plugins)):
-        facts = view.facts.name if not plugin else view.class_of(plugin)
-        for pattern, choices in stated_facts().choices.get(facts, {}).items():
-            for name in view.spelled(pattern, plugin):
-                given = view.given.get(plugin + name)
-                if given is not None and isinstance(given.value, str) and given.value not in choices:
-                    message = (
-                        f"the parameter '{given.name}' is '{given.value}'; it must be one of: {', '.join(choices)}"
-                    )
-                    finding = OutOfRange.at(given.place, message, did_you_mean(nearest(given.value, choices)))
-                    yield as_warning(finding) if pattern in stated_facts().tolerated else finding
 
 
 def _of_polygons(view: ParameterView) -> Iterator[Diagnostic]:
@@ -105,15 +76,22 @@ def _is_polygon(text: str) -> bool:
 
 
 def _of_needed(view: ParameterView) -> Iterator[Diagnostic]:
-    """Yield findings about parameters that the node needs for each name in a list, such as the type of a polygon."""
-    for pattern in stated_facts().needed.get(view.facts.name, []):
-        lists = view.given.get(pattern[1 : pattern.index("}")])
-        if lists is None:
-            continue
-        for name in view.spelled(pattern, ""):
-            if name not in view.given:
-                message = f"'{name.partition('.')[0]}' has no '{name.partition('.')[2]}'"
-                yield MissingParameter.at(lists.place, message, f"set '{name}'")
+    """Yield findings about parameters that the node needs for each name in a list, such as the type of a polygon.
+
+    ``{*}`` stands for each name that has other parameters: an input of twist_mux needs a priority.
+    """
+    for pattern, condition in stated_facts().needed.get(view.facts.name, {}).items():
+        before, variable, last = re.split(r"(\{.*?\})", pattern)
+        if variable == "{*}":
+            names = [name for name in view.given if name.startswith(before)]
+            groups = {name.removeprefix(before).partition(".")[0]: view.given[name].place for name in names}
+        else:
+            listed = view.given.get(variable[1:-1])
+            groups = dict.fromkeys(view.names(listed.name) or (), listed.place) if listed else {}
+        for group, place in groups.items():
+            owner, name = before + group, before + group + last
+            if name not in view.given and view.holds(condition.replace(variable, group), ""):
+                yield MissingParameter.at(place, f"'{owner}' has no '{last[1:]}'", f"set '{name}'")
 
 
 def _of_built_in_plugins(view: ParameterView) -> Iterator[Diagnostic]:
@@ -153,10 +131,9 @@ def _of_static_transform(node: RunningNode) -> Iterator[Diagnostic]:
     texts = [word for word in words if word is not None]
     at = node.started.place
     if any(word.startswith("--") for word in texts):
-        unknown = [word for word in texts if word.startswith("--") and word not in _OPTIONS]
-        if unknown:
-            help = "the options are --x --y --z --roll --pitch --yaw --qx --qy --qz --qw --frame-id --child-frame-id"
-            yield RefusedArguments.at(at, f"static_transform_publisher has no option '{unknown[0]}'", help)
+        if reason := _refused_options(texts):
+            help = f"the options are {' '.join((*_NUMBERS, *_FRAMES))}"
+            yield RefusedArguments.at(at, f"static_transform_publisher {reason}", help)
         return
     numbers = len(texts) - 2
     help = "write --x 0 --y 0 --z 0 --yaw 0 --pitch 0 --roll 0 --frame-id PARENT --child-frame-id CHILD"
@@ -171,6 +148,18 @@ def _of_static_transform(node: RunningNode) -> Iterator[Diagnostic]:
         period = "; ROS 2 takes no period at the end" if is_period else ""
         message = f"with {len(texts)} words, static_transform_publisher reads '{wrong}' as a number{period}"
         yield RefusedArguments.at(at, message, help)
+
+
+def _refused_options(words: list[str]) -> str:
+    """Return why static_transform_publisher refuses its options; empty if it does not."""
+    if unknown := [word for word in words if word.startswith("--") and word not in (*_NUMBERS, *_FRAMES)]:
+        return f"has no option '{unknown[0]}'"
+    given = dict(pairwise(words))
+    for option in _NUMBERS:
+        if option in given and not _NUMBER.match(given[option].strip()):
+            return f"reads '{given[option]}' behind {option} as a number"
+    missing = [option for option in _FRAMES if not given.get(option)]
+    return f"needs {' and '.join(missing)}" if missing else ""
 
 
 def _of_spawner(spawner: RunningNode, system: System) -> Iterator[Diagnostic]:

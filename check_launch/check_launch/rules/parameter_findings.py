@@ -118,6 +118,10 @@ def view_findings(
         elif not _OF_LIBRARIES.fullmatch(given.name):
             unknown.append(given)
     for given in unknown[:_MOST_UNKNOWN]:
+        if own := view.loaded_node(given.name):
+            message = f"'{given.name}' has no effect here in {shown}: '{own}' is a node of its own"
+            yield MisplacedParameter.at(given.place, message, f"it belongs to the section '{own}'")
+            continue
         near = view.is_misspelt(given.name)
         if view.is_open(given.name) and not near:
             continue  # perhaps a parameter of a class that is not known
@@ -320,9 +324,8 @@ def _unknown_plugin(plugin: LoadedPlugin, at: Span, catalogue: Catalogue) -> Dia
 def _of_axes(view: ParameterView) -> Iterator[Diagnostic]:
     """Yield findings about parameters of the y axis whose counterpart of the x axis is not given."""
     for given in view.given.values():
-        counterparts = (
-            f"{given.name[:at]}x{given.name[at + 1 :]}" for at, letter in enumerate(given.name) if letter == "y"
-        )
+        before, dot, last = given.name.rpartition(".")  # a name before it may be that of a joint
+        counterparts = (f"{before}{dot}{last[:at]}x{last[at + 1 :]}" for at, letter in enumerate(last) if letter == "y")
         for x in counterparts:
             if x in view.exact and given.name in view.exact and x not in view.given:
                 yield OneAxis.at(given.place, f"'{given.name}' is given, but '{x}' is not", did_you_mean(x))

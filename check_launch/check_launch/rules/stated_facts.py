@@ -23,10 +23,9 @@ class StatedFacts:
     usual_names: Mapping[str, str]
     """Names that programs give to their nodes, by package and executable."""
     lengths: Mapping[str, Mapping[str, list[int]]]
-    choices: Mapping[str, Mapping[str, list[str]]]
-    """Values that a parameter may have, by the pattern of its name."""
     polygons: Mapping[str, list[str]]
-    needed: Mapping[str, list[str]]
+    needed: Mapping[str, Mapping[str, str]]
+    """Conditions under which a node needs a parameter, by the pattern of its name; empty for always."""
     tolerated: list[str]
     """Parameters of which a node ignores a value that it does not allow."""
     without_lifecycle: list[str]

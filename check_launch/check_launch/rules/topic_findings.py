@@ -54,6 +54,8 @@ def used_remappings(system: System) -> set[Use]:
 def _may_have_more(node: RunningNode) -> bool:
     """Return true if a node may have topics that are not known, also those of nodes that it loads into its process."""
     facts = node.facts
+    if any(end.topic is None and end.endpoint.name.startswith("$(") for end in node.connections):
+        return True  # the name of a topic is not known
     return facts is None or facts.has_open_topics or facts.is_partial or any(one.type_parameter for one in facts.nodes)
 
 
