@@ -34,7 +34,7 @@ test: $(call ready,$(if $(OPENCV),vision,dev))  ## the tests; OPENCV=4.8 with th
 	$(PYTEST) $(if $(OPENCV),$(OF_OPENCV))
 
 test-all: $(VENV)/ready-full  ## the tests, the slow ones too, with all optional packages
-	$(PYTEST) -m 'slow or not exhaustive'
+	$(PYTEST) -m 'not exhaustive'
 
 exhaustive: $(VENV)/ready-full  ## thousands of random histories, every change of the launch files, an hour of datagrams; takes hours
 	$(PYTEST) -m exhaustive

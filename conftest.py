@@ -66,14 +66,14 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Know the markers of the tests that take long, and give default signals to the programs that tests start."""
-    config.addinivalue_line("markers", "slow: takes a third of a second or more; runs where -m names it")
+    config.addinivalue_line("markers", "slow: takes a third of a second or more; runs with -m")
     config.addinivalue_line(
         "markers", "opencv: judges what a version of OpenCV sees; make test-vision runs it, slow or not"
     )
-    config.addinivalue_line("markers", "exhaustive: goes through thousands of cases; runs where -m names it")
+    config.addinivalue_line("markers", "exhaustive: goes through thousands of cases, or takes minutes; runs with -m")
     if config.getoption("update_cases") and config.getoption("numprocesses", 0):
         raise pytest.UsageError("--update-cases writes files that all workers would share: run it without -n")
-    if "slow" not in str(config.getoption("markexpr")) and "hypothesis" in sys.modules:
+    if not config.getoption("markexpr") and "hypothesis" in sys.modules:
         # Hypothesis parses each of our modules for constants to draw: 6 s in each worker, if there is no cache yet.
         providers._get_local_constants = lambda: providers._local_constants
     restore_default_signals()
@@ -87,11 +87,12 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave the tests that take long out where they are not asked for."""
-    asked = str(config.getoption("markexpr"))
+    """Leave the tests that take long out, unless -m says what is to run."""
+    if config.getoption("markexpr"):
+        return
     for item in items:
         for marker, reason in (("exhaustive", EXHAUSTIVE), ("slow", SLOW)):
-            if marker not in asked and item.get_closest_marker(marker):
+            if item.get_closest_marker(marker):
                 item.add_marker(pytest.mark.skip(reason=reason))
                 break
 

@@ -17,7 +17,7 @@ from bench.errors import BenchError
 from bench.mutation.mutants import Mutant
 
 _PHASE = re.compile(r" \((setup|call|teardown)\)$|\|(setup|run|teardown)$")
-_OPTIONS = ("-q", "-m", "slow or not exhaustive")
+_OPTIONS = ("-q", "-m", "not exhaustive")
 """Options of pytest for the tests that judge, which are those of `make test-all`."""
 _GRACE_S = 60.0
 """Seconds that a run may take beyond ten times what its tests took before."""

@@ -36,7 +36,7 @@ DISTRIBUTIONS = ("jazzy", "kilted")
 SOURCED = "sourced"
 """Name of the environment with the ROS 2 of the shell."""
 TESTS = [str(ROOT / folder / "tests" / "ros2") for folder in ("", "rover", "check_launch")]
-_ALL = ["-n", "auto", "-m", "slow or not exhaustive"]
+_ALL = ["-n", "auto", "-m", "not exhaustive"]
 # An installed ROS 2 brings plug-ins (launch_testing) that this pytest refuses.
 _NO_PLUGINS = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": "-p xdist.plugin"}
 
