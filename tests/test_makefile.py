@@ -46,7 +46,8 @@ def _made(environment: Path, *words: str) -> list[str]:
     python.parent.mkdir(exist_ok=True)
     python.write_text('#!/bin/sh\necho "ran: $*"\n')
     python.chmod(0o755)
-    # `make test` hands its own options down in the environment; with them, make names each folder that it enters.
-    alone = {name: value for name, value in os.environ.items() if name not in {"MAKEFLAGS", "MAKELEVEL", "MFLAGS"}}
+    # `make test OPENCV=4.8` hands its options and variables down in the environment.
+    handed_down = {"MAKEFLAGS", "MAKELEVEL", "MAKEOVERRIDES", "MFLAGS", "OPENCV"}
+    alone = {name: value for name, value in os.environ.items() if name not in handed_down}
     command = ["make", f"VENV={environment}", *words]
     return subprocess.run(command, cwd=_ROOT, env=alone, check=True, capture_output=True, text=True).stdout.splitlines()
