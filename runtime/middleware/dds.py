@@ -60,12 +60,10 @@ from roverlink.runtime.native.core import NativeCore
 from roverlink.runtime.native.lending import LentTopic
 from roverlink.runtime.native.topic_loop import TopicLoop
 
-# A receiving thread for each socket saves a system call for each message. On other networks, the end of the node would
-# wait for ever if the interface is gone or down: Cyclone DDS ends such a thread by a packet to itself.
 _LOCALHOST_ONLY = (
     '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General>'
     '<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="localhost"/></Peers></Discovery>'
-    "<Internal><MultipleReceiveThreads>true</MultipleReceiveThreads></Internal></Domain></CycloneDDS>"
+    "</Domain></CycloneDDS>"
 )
 # Otherwise the deletion of each writer waits for a subscriber that hangs. And Fast DDS, which reads nothing but the key
 # hash of what is disposed, would show our node for ten seconds after it has left.

@@ -41,7 +41,7 @@ _PACKAGES = {"dds": ("cyclonedds", NO_DDS), "rclpy": ("rclpy", NO_RCLPY), "zenoh
 
 
 @pytest.fixture(params=_PACKAGES, autouse=True)
-def middleware(request: pytest.FixtureRequest) -> str:
+def middleware(request: pytest.FixtureRequest, environment: dict[str, str]) -> str:
     """Each middleware that is installed; zenoh with a router."""
     name = str(request.param)
     package, reason = _PACKAGES[name]

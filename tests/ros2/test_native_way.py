@@ -204,7 +204,7 @@ def _have_arrived(arrived: Mapping[str, Sequence[bytes]], account: Account) -> b
 
 
 def _kept(make: Callable[..., Any], ends: dict[str, Any]) -> Callable[..., Any]:
-    return lambda topic, *given: ends.setdefault(topic, make(topic, *given))
+    return lambda topic, *given, **named: ends.setdefault(topic, make(topic, *given, **named))
 
 
 def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Observer], folder: Path) -> Sequence[Any]:
