@@ -136,12 +136,19 @@ def environment(domain: int) -> dict[str, str]:
 
 
 @pytest.fixture
-def zenoh_router(environment: dict[str, str], monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+def free_port() -> Iterator[int]:
+    """A TCP port of this host that nobody else gets until the test ends; a server may listen there (SO_REUSEADDR)."""
+    with socket.socket() as held:
+        held.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        held.bind(("127.0.0.1", 0))
+        yield held.getsockname()[1]
+
+
+@pytest.fixture
+def zenoh_router(environment: dict[str, str], monkeypatch: pytest.MonkeyPatch, free_port: int) -> Iterator[str]:
     """The endpoint of a router of zenoh, to which the nodes of this process and those of its programs connect."""
     pytest.importorskip("zenoh", reason=NO_ZENOH)
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    endpoint = f"tcp/127.0.0.1:{free_port}"
     override = f'mode="client";connect/endpoints=["{endpoint}"]'  # a peer waits half a second for others
     with open_zenoh_router([endpoint]):
         monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", override)

@@ -17,7 +17,7 @@ _NOT_HEARD = Condition("WAITING", "the bridge has not reported yet")
 
 
 class News(NamedTuple):
-    """What is new of a bridge since the last time."""
+    """State, messages and log lines of a bridge that are new since the last tick."""
 
     now: float
     state: dict[str, Any] | None

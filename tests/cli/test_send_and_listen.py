@@ -122,10 +122,9 @@ def test_what_is_sent_is_heard_until_an_interrupt(start: Start, capsys: pytest.C
 
 
 @pytest.mark.slow
-def test_the_commands_speak_over_a_line(start: Start, tmp_path: Path, called: Called) -> None:
+def test_the_commands_speak_over_a_line(start: Start, tmp_path: Path, called: Called, free_port: int) -> None:
     """A line at both ends: what `send` and a simulated peer send over it is heard by `listen`."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        line = f"tcp:127.0.0.1:{free.getsockname()[1]}"
+    line = f"tcp:127.0.0.1:{free_port}"
     program = start("listen", "--address", f"{line}?listen")
     program.wait_for("nobody has connected")
     assert main(["send", "imu_info", "accel_x=1.5", "--to", line]) == 0

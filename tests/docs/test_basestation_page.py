@@ -78,17 +78,15 @@ def test_the_basestation_in_python_runs(tmp_path: Path, domain: int) -> None:
 
 
 @pytest.mark.slow
-def test_the_basestation_runs_over_a_tcp_radio(tmp_path: Path) -> None:
+def test_the_basestation_runs_over_a_tcp_radio(tmp_path: Path, free_port: int) -> None:
     """The same program, with the line of the page in place of the host."""
     (host,) = re.findall(r'host: "(tcp:\S+)"', _PAGE.read_text(encoding="utf-8"))
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = str(free.getsockname()[1])
-    changes = {"basestation": {"host": host.replace("7000", port), "host_parameter": "basestation_host"}}
+    changes = {"basestation": {"host": host.replace("7000", str(free_port)), "host_parameter": "basestation_host"}}
     peers = tuple(dataclasses.replace(peer, **changes.get(peer.name, {})) for peer in REGISTRY.peers)
     with BridgeThread(dataclasses.replace(REGISTRY, peers=peers), {}, "error") as bridge:
         script = tmp_path / "basestation.py"
         script.write_text(_program("python"))
-        _follow([sys.executable, "-u", str(script), f"tcp:127.0.0.1:{port}"], 9, bridge)
+        _follow([sys.executable, "-u", str(script), f"tcp:127.0.0.1:{free_port}"], 9, bridge)
 
 
 @pytest.mark.slow

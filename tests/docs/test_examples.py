@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import doctest
 import math
-import socket
 import sys
 from collections.abc import Sequence
 from importlib.util import find_spec
@@ -117,7 +116,9 @@ def test_the_files_of_the_page_about_cameras_are_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_request_of_the_page_is_answered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_request_of_the_page_is_answered(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], free_port: int
+) -> None:
     """The table and the protos of the page make the service type beside them, and the client prints the response."""
     shown = {block.language: block.text for block in blocks(_DOCS / "operations.md", "Requests that are answered")}
     # A process can load two projects only if no .proto file has the same name.
@@ -150,13 +151,12 @@ def test_the_request_of_the_page_is_answered(tmp_path: Path, capsys: pytest.Capt
         code = shown["python"].replace("generated.", "requests_of_the_page.").replace("host=host", where)
         exec(code, {"registry": rig.registry})  # noqa: S102  # it stands on our own page
     assert capsys.readouterr().out == "40.2 cm\n"
-    _is_answered_by_a_simulated_board(rig.registry, tmp_path, shown["console"].removeprefix("$ roverlink ").split())
+    command = shown["console"].removeprefix("$ roverlink ").split()
+    _is_answered_by_a_simulated_board(rig.registry, tmp_path, command, f"tcp:127.0.0.1:{free_port}")
 
 
-def _is_answered_by_a_simulated_board(registry: Registry, project: Path, command: list[str]) -> None:
+def _is_answered_by_a_simulated_board(registry: Registry, project: Path, command: list[str], line: str) -> None:
     """A call of the service ends when the command of the page plays the board, here at the other end of a line."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        line = f"tcp:127.0.0.1:{free.getsockname()[1]}"
     grip, responses = registry.by_name["grip"], list[Any]()
     service = grip.route.request.service
     with Rig(of_peers(registry, board=end("board", f"{line}?listen"))) as rig:

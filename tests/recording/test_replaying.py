@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import socket
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -71,11 +70,10 @@ def test_as_board_it_reproduces_the_original_datagrams(tmp_path: Path) -> None:
     assert (replay.notes, replay.refused) == ([], {})
 
 
-def test_one_peer_is_replayed_over_its_line(tmp_path: Path) -> None:
+def test_one_peer_is_replayed_over_its_line(tmp_path: Path, free_port: int) -> None:
     """A bridge takes nothing from another peer over a line."""
     record_everything(tmp_path / "run.mcap", turns=2)
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        line = f"tcp:127.0.0.1:{free.getsockname()[1]}"
+    line = f"tcp:127.0.0.1:{free_port}"
     rows = [one.route.name for one in REGISTRY.handlers if one.route.inbound and one.route.peer == "hardware"]
     with Rig(of_peers(QUIET, hardware=end("hw", f"{line}?listen"))) as rig:
         given = ["--project", str(Path(__file__).parents[2]), "--peer", "hardware", "--to", line]

@@ -207,7 +207,9 @@ def _kept(make: Callable[..., Any], ends: dict[str, Any]) -> Callable[..., Any]:
     return lambda topic, *given, **named: ends.setdefault(topic, make(topic, *given, **named))
 
 
-def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Observer], folder: Path) -> Sequence[Any]:
+def _bridged(
+    middleware: str, native: bool, case: _Case, observers: Sequence[_Observer], folder: Path, port: int
+) -> Sequence[Any]:
     """What arrives on two topics and at both peers, and what is counted."""
     peers = {name: socket.socket(type=socket.SOCK_DGRAM) for name in ("hardware", "basestation")}
     ports = {"hardware": "dst_b_port", "basestation": "dst_a_port"}
@@ -225,8 +227,7 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
         datagrams = [*_signed({name: signer for name, signer in signers.items() if signer})]
     carrier, stranger = None, socket.socket(type=socket.SOCK_DGRAM)
     if case.line:
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            line = f"tcp:127.0.0.1:{free.getsockname()[1]}"
+        line = f"tcp:127.0.0.1:{port}"
         given["hardware_host"] = f"{line}?listen"
         carrier = Carrier(transport_at(line), peers["hardware"])
     settings = parameters.read(registry, given)
@@ -318,10 +319,12 @@ def _bridged(middleware: str, native: bool, case: _Case, observers: Sequence[_Ob
         _Case(guard=1e-6, signed=True, paced=True),
     ],
 )
-def test_both_ways_do_the_same(middleware: str, case: _Case, tmp_path: Path) -> None:
+def test_both_ways_do_the_same(middleware: str, case: _Case, tmp_path: Path, free_port: int) -> None:
     """Rows, extra topics, forwards and commands; datagrams that the core hands over; and what observers get."""
     observers = [[_Observer()] if case.observed else [] for _ in range(2)]
-    found = [_bridged(middleware, way, case, given, tmp_path) for way, given in zip((False, True), observers)]
+    found = [
+        _bridged(middleware, way, case, given, tmp_path, free_port) for way, given in zip((False, True), observers)
+    ]
     if case.observed:
         seen = [dict(one.seen) for (one,) in observers]
         if case.signed:  # signatures are of the moment

@@ -255,13 +255,6 @@ def _read(stream: io.BufferedReader) -> bytes:
     return message.SerializeToString()
 
 
-@pytest.fixture
-def free_port() -> int:
-    """A TCP port on which nobody listens."""
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return int(server.getsockname()[1])
-
-
 @pytest.mark.parametrize("listens", [True, False])
 def test_a_board_behind_tcp(listens: bool) -> None:
     """Whoever listens, both directions work, and a new connection follows one that is closed, or replaces it."""
@@ -303,12 +296,14 @@ def test_a_client_that_leaves_is_counted_once(free_port: int) -> None:
         assert events == {("hardware", "", "connected"): 1, ("hardware", "", "disconnected"): 2}
 
 
-def test_a_connection_to_itself_is_none(free_port: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_connection_to_itself_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     """The kernel may connect a socket to its own port, if it is one of those for outgoing connections."""
-    own = partial(socket.create_connection, source_address=("127.0.0.1", free_port))
+    with socket.create_server(("127.0.0.1", 0)) as free:  # nobody may hold it: a client binds to it
+        port = free.getsockname()[1]
+    own = partial(socket.create_connection, source_address=("127.0.0.1", port))
     monkeypatch.setattr(socket, "create_connection", own)
     with pytest.raises(ConnectionRefusedError, match="Connection refused"):
-        transport_at(f"tcp:127.0.0.1:{free_port}").connect()
+        transport_at(f"tcp:127.0.0.1:{port}").connect()
 
 
 def _connect(address: tuple[str, int]) -> socket.socket:

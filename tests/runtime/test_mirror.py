@@ -137,10 +137,9 @@ def test_the_rover_learns_the_port_of_its_peer() -> None:
         ends.crosses(_ROCK, {"frame_id": 5})
 
 
-def test_both_ends_of_a_line() -> None:
+def test_both_ends_of_a_line(free_port: int) -> None:
     """The rover waits for a TCP connection, and the bridge of the basestation opens it."""
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        line = f"tcp:127.0.0.1:{server.getsockname()[1]}"
+    line = f"tcp:127.0.0.1:{free_port}"
     with _Ends(of_peers(QUIET, basestation=end("basestation", line + "?listen")), direct=True) as ends:
         ends.base.change(parameters.read(ends.mirror, {"dst_ip": line}))
         ends.crosses(_COMMAND, {"mode": 1})

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import logging
 import signal
-import socket
 import struct
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -461,11 +460,9 @@ def test_services_are_exchanged_with_a_stranger(join: Open, sdk: Any) -> None:
 
 
 @pytest.mark.slow
-def test_one_basestation_sees_a_fleet(start: Start, done: Start, environment: dict[str, str]) -> None:
+def test_one_basestation_sees_a_fleet(start: Start, done: Start, environment: dict[str, str], free_port: int) -> None:
     """Two rovers in their namespaces, and a program that shows both, find each other through the command's router."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    endpoint = f"tcp/127.0.0.1:{free_port}"
     environment["ROS_DISTRO"] = "jazzy"
     environment["ZENOH_CONFIG_OVERRIDE"] = f'connect/endpoints=["{endpoint}"]'
     router = start("zenoh-router", "--listen", endpoint)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from typing import Any
 
@@ -25,6 +25,9 @@ from roverlink.runtime.interfaces import sensor_msgs, vision_msgs
 from roverlink.runtime.interfaces.diagnostic_msgs import DiagnosticArray
 from roverlink.runtime.interfaces.nav_msgs import Odometry
 
+_LOGGER = logging.getLogger("fusion")
+Told = Callable[[], list[str]]
+
 
 def _distance(known: tuple[np.ndarray, np.ndarray]) -> float:
     """The distance in metres of a position from the true one; ``known`` has the error and the covariance of a pose."""
@@ -40,6 +43,13 @@ def _squared(error: np.ndarray, covariance: np.ndarray) -> float:
 def stack() -> Iterator[ExitStack]:
     with ExitStack() as stack:
         yield stack
+
+
+@pytest.fixture
+def told(caplog: pytest.LogCaptureFixture) -> Told:
+    """What a fusion with the logger of these tests has logged up to now."""
+    caplog.set_level(logging.INFO, _LOGGER.name)
+    return lambda: [record.getMessage() for record in caplog.records]
 
 
 def _rover(seed: int, stack: ExitStack, metres: float, **options: Any) -> FieldDrive:
@@ -94,19 +104,17 @@ def test_without_landmarks_the_covariance_grows_as_the_error_may(stack: ExitStac
 
 
 @pytest.mark.slow
-def test_a_landmark_that_was_moved_is_found_and_named(stack: ExitStack, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_landmark_that_was_moved_is_found_and_named(stack: ExitStack, told: Told) -> None:
     """It is the first one that the rover sees. There is no pose until two others agree, and then it is right."""
-    logger = logging.getLogger("fusion")
-    with caplog.at_level(logging.INFO, logger="fusion"):
-        rover = FieldDrive(2, stack, {7: (0.5, 0.3)}, logger=logger)
-        rover.stand(2)
-        assert not rover.fused
-        rover.drive(15)
+    rover = FieldDrive(2, stack, {7: (0.5, 0.3)}, logger=_LOGGER)
+    rover.stand(2)
+    assert not rover.fused
+    rover.drive(15)
     assert _distance(rover.error) < 0.15
-    *_, why, _, told = (record.getMessage() for record in caplog.records)
+    *_, why, _, last = told()
     assert why.startswith("no pose for 10 s: 2 landmarks must agree with the survey")
-    assert told.startswith("landmark 7 is not used: it stands 0.")
-    assert 0.45 < float(told.split("stands ")[1].split(" m")[0]) < 0.75
+    assert last.startswith("landmark 7 is not used: it stands 0.")
+    assert 0.45 < float(last.split("stands ")[1].split(" m")[0]) < 0.75
 
 
 class _Misread:
@@ -179,49 +187,39 @@ _FAULTS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("fault", "said"), _FAULTS.values(), ids=_FAULTS.keys())
-def test_a_fault_is_left_out_and_said(
-    stack: ExitStack, caplog: pytest.LogCaptureFixture, fault: Any, said: str
-) -> None:
+def test_a_fault_is_left_out_and_said(stack: ExitStack, told: Told, fault: Any, said: str) -> None:
     """The pose stays within 0.1 m, no landmark is blamed, and the log names the cause."""
-    with caplog.at_level(logging.INFO, logger="fusion"):
-        rover = _rover(3, stack, 6, gps=True, change=fault, logger=logging.getLogger("fusion"))
-        for _ in range(8):
-            rover.drive(1)
-            assert rover.is_current
-            assert _distance(rover.error) < 0.1
-    told = [record.getMessage() for record in caplog.records]
-    assert told
-    assert all(one.startswith(said) for one in told)
+    rover = _rover(3, stack, 6, gps=True, change=fault, logger=_LOGGER)
+    for _ in range(8):
+        rover.drive(1)
+        assert rover.is_current
+        assert _distance(rover.error) < 0.1
+    assert told()
+    assert all(one.startswith(said) for one in told())
 
 
 @pytest.mark.slow
-def test_a_landmark_that_is_moved_after_it_was_seen_is_dropped(
-    stack: ExitStack, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_landmark_that_is_moved_after_it_was_seen_is_dropped(stack: ExitStack, told: Told) -> None:
     """Its first sightings are left out; as soon as several agree, it is named."""
-    with caplog.at_level(logging.INFO, logger="fusion"):
-        rover = _rover(3, stack, 9, logger=logging.getLogger("fusion"))
-        rover.move_landmark(8, 0.6, 0.0)
-        for _ in range(14):
-            rover.drive(1)
-            assert _distance(rover.error) < 0.15
-    first, told = (record.getMessage() for record in caplog.records)
+    rover = _rover(3, stack, 9, logger=_LOGGER)
+    rover.move_landmark(8, 0.6, 0.0)
+    for _ in range(14):
+        rover.drive(1)
+        assert _distance(rover.error) < 0.15
+    first, last = told()
     assert first.startswith("sighting of landmark 8 left out")
-    assert told.startswith("landmark 8 is not used: it stands 0.")
+    assert last.startswith("landmark 8 is not used: it stands 0.")
 
 
 @pytest.mark.slow
-def test_a_rover_that_was_pushed_goes_on_from_a_less_certain_pose(
-    stack: ExitStack, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_rover_that_was_pushed_goes_on_from_a_less_certain_pose(stack: ExitStack, told: Told) -> None:
     """There is always a pose, and sightings of two landmarks that fit no more correct it."""
-    with caplog.at_level(logging.INFO, logger="fusion"):
-        rover = _rover(3, stack, 9, logger=logging.getLogger("fusion"))
-        rover.model.pose = rover.model.pose @ PlanarPose(0.0, 1.0, 0.1)
-        rover.drive(14, lambda: None if rover.is_current else pytest.fail("no pose"))
+    rover = _rover(3, stack, 9, logger=_LOGGER)
+    rover.model.pose = rover.model.pose @ PlanarPose(0.0, 1.0, 0.1)
+    rover.drive(14, lambda: None if rover.is_current else pytest.fail("no pose"))
     assert _distance(rover.error) < 0.15
     assert _squared(*rover.error) < 16.3  # exceeded once in a thousand cases
-    assert any(record.getMessage().startswith("no landmark fits any more") for record in caplog.records)
+    assert any(one.startswith("no landmark fits any more") for one in told())
 
 
 def _ahead(message: Any, _: float) -> None:
@@ -238,17 +236,14 @@ def _ahead(message: Any, _: float) -> None:
         ({"odometry": False}, "no odometry comes on /odometry/wheel"),
     ],
 )
-def test_no_pose_has_a_reason(
-    stack: ExitStack, caplog: pytest.LogCaptureFixture, options: dict[str, Any], why: str
-) -> None:
+def test_no_pose_has_a_reason(stack: ExitStack, told: Told, options: dict[str, Any], why: str) -> None:
     """After ten seconds, the log says it, once."""
-    with caplog.at_level(logging.INFO, logger="fusion"):
-        rover = FieldDrive(4, stack, **options, logger=logging.getLogger("fusion"))
-        rover.stand(9)
-        assert not any("no pose" in record.getMessage() for record in caplog.records)
-        rover.stand(4)
-    (told,) = [record.getMessage() for record in caplog.records if record.getMessage().startswith("no pose for 1")]
-    assert why in told
+    rover = FieldDrive(4, stack, **options, logger=_LOGGER)
+    rover.stand(9)
+    assert not any("no pose" in one for one in told())
+    rover.stand(4)
+    (reason,) = [one for one in told() if one.startswith("no pose for 1")]
+    assert why in reason
     heard = hear(rover.middleware, "/diagnostics", DiagnosticArray)
     rover.stand(1)
     (status,) = heard[-1].status
