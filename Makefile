@@ -36,8 +36,9 @@ test: $(call ready,$(if $(OPENCV),vision,dev))  ## the tests; OPENCV=4.8 with th
 test-all: $(VENV)/ready-full  ## the tests, the slow ones too, with all optional packages
 	$(PYTEST) -m 'not exhaustive'
 
-exhaustive: $(VENV)/ready-full  ## thousands of random histories, every change of the launch files, an hour of datagrams; takes hours
+exhaustive: $(VENV)/ready-full  ## thousands of random histories, every change of the launch files, ROS 2 Kilted, an hour of datagrams; takes hours
 	$(PYTEST) -m exhaustive
+	$(MAKE) test-ros2 ROS2=kilted
 	$(MAKE) soak SOAK_SECONDS=3600
 
 test-vision: $(call ready,vision)  ## the tests of the camera programs; OPENCV=4.8 with that version of OpenCV

@@ -10,7 +10,7 @@ import os
 import socket
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from default_signals import restore_default_signals
 from needs import EXHAUSTIVE, NO_ZENOH, SLOW
 from programs import Program, Start
 
-from roverlink.dds_domain import claim_domain
+from roverlink.dds_domain import claim_domain, ports_of
 from roverlink.runtime.middleware import open_zenoh_router
 
 _REPOSITORY = Path(__file__).parent
@@ -142,6 +142,12 @@ def free_port() -> Iterator[int]:
         held.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         held.bind(("127.0.0.1", 0))
         yield held.getsockname()[1]
+
+
+@pytest.fixture
+def free_udp_ports(domain: int) -> Sequence[int]:
+    """UDP ports of this host that nobody else gets until the test ends: of our domain, beyond its participants."""
+    return ports_of(domain)[200:-1]
 
 
 @pytest.fixture

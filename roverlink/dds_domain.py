@@ -33,14 +33,19 @@ def claim_domain(held: ExitStack) -> int:
     raise OSError("programs on this host are in all DDS domains from 1 to 100")
 
 
+def ports_of(domain: int) -> range:
+    """Return the UDP ports of a domain. Its participants take them from the first one on, two each."""
+    return range(_FIRST_PORT + _PORTS * domain, _FIRST_PORT + _PORTS * (domain + 1))
+
+
 def _is_claimed(domain: int, held: ExitStack) -> bool:
     """Try to hold the last port of a domain, and see whether its first participant's port is free."""
-    first_port = _FIRST_PORT + _PORTS * domain
+    ports = ports_of(domain)
     with ExitStack() as opened:
         lock, participant = (opened.enter_context(_udp_socket()) for _ in range(2))
         try:
-            lock.bind(("127.0.0.1", first_port + _PORTS - 1))
-            participant.bind(("", first_port + _FIRST_PARTICIPANT))
+            lock.bind(("127.0.0.1", ports[-1]))
+            participant.bind(("", ports[_FIRST_PARTICIPANT]))
         except OSError:
             return False
         participant.close()

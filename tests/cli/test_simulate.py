@@ -7,6 +7,7 @@ import json
 import random
 import socket
 from collections import Counter, defaultdict
+from collections.abc import Sequence
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
@@ -269,12 +270,12 @@ def test_attacks_are_refused_each_for_its_reason(
 
 
 @pytest.mark.slow
-def test_a_simulated_board_answers_what_it_is_asked(done: Start, peer: socket.socket, tmp_path: Path) -> None:
+def test_a_simulated_board_answers_what_it_is_asked(
+    done: Start, peer: socket.socket, tmp_path: Path, free_udp_ports: Sequence[int]
+) -> None:
     """At its port, with the number of the request; a response that nobody has asked for does not come."""
     port = peer.getsockname()[1]
-    with socket.socket(type=socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        board = free.getsockname()
+    board = ("127.0.0.1", free_udp_ports[0])
     project = write_asking_project(tmp_path / "asking", ASKING.replace("6001", str(board[1])))
     envelope: Any = asking_registry().envelope
     request = envelope(grip={"id": 7, "force": 0.5}).SerializeToString()

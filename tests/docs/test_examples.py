@@ -12,7 +12,7 @@ from subprocess import PIPE, Popen
 from typing import Any
 
 import pytest
-from bridge_rig import Rig, end, listener, of_peers, port_of
+from bridge_rig import Rig, end, of_peers
 from case_file import usual_table
 from needs import NO_OPENCV, needs_dds
 from page import ROOT, blocks
@@ -117,7 +117,7 @@ def test_the_files_of_the_page_about_cameras_are_read(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_request_of_the_page_is_answered(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], free_port: int
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], free_port: int, free_udp_ports: Sequence[int]
 ) -> None:
     """The table and the protos of the page make the service type beside them, and the client prints the response."""
     shown = {block.language: block.text for block in blocks(_DOCS / "operations.md", "Requests that are answered")}
@@ -144,8 +144,7 @@ def test_the_request_of_the_page_is_answered(
             publisher.publish([answer.to_cdr(answer.payload_type(request_id=request.request_id, length_cm=length))])
 
         rig.node.subscribe("/rock_measure", asked.message_type, asked.route.qos, measure)
-        with listener() as free:
-            port = port_of(free)
+        port = free_udp_ports[0]
         rig.live.change({rig.registry.peers_by_name["base"].port_parameter: port})
         where = f'host="127.0.0.1", port={rig.bridge.port}, local_port={port}, registry=registry'
         code = shown["python"].replace("generated.", "requests_of_the_page.").replace("host=host", where)

@@ -9,7 +9,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from importlib.util import find_spec
 from types import SimpleNamespace
 from typing import Any
@@ -62,21 +62,21 @@ Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def run(called: Called, middleware: str, others: str, peer: socket.socket) -> Iterator[Run]:
+def run(
+    called: Called, middleware: str, others: str, peer: socket.socket, free_udp_ports: Sequence[int]
+) -> Iterator[Run]:
     """Runs a bridge in this process, as a terminal does, while datagrams and commands come: code, output and errors.
 
     ``running`` is called each time that the basestation has heard the bridge. The signal comes as soon as the result is
     true, unless a fault has ended the bridge before.
     """
-    with ExitStack() as held:
-        basestation, reserved = (held.enter_context(socket.socket(type=socket.SOCK_DGRAM)) for _ in range(2))
-        for sock in (basestation, reserved):
-            sock.bind(("127.0.0.1", 0))
+    with socket.socket(type=socket.SOCK_DGRAM) as basestation:
+        basestation.bind(("127.0.0.1", 0))
         basestation.settimeout(0.02)
-        ports = {"dst_b_port": peer, "dst_a_port": basestation, "listen_port": reserved}
-        words = [word for name, sock in ports.items() for word in ("-p", f"{name}:={sock.getsockname()[1]}")]
-        bridge = reserved.getsockname()
-        reserved.close()
+        listen_port, dst_b_port, dst_a_port = free_udp_ports[0], peer.getsockname()[1], basestation.getsockname()[1]
+        ports = {"listen_port": listen_port, "dst_b_port": dst_b_port, "dst_a_port": dst_a_port}
+        words = [word for name, port in ports.items() for word in ("-p", f"{name}:={port}")]
+        bridge = ("127.0.0.1", listen_port)
 
         def run(*options: str, running: Callable[[], object] = lambda: True, number: int = signal.SIGTERM) -> Any:
             ended = threading.Event()

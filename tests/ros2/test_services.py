@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import threading
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 from asking import write_asking_project
-from bridge_rig import listener, port_of
 from judge import Judge, interface, repeat
 from polling import wait_until
 from programs import Start
@@ -21,13 +21,12 @@ from roverlink.runtime.client import BlockingPeer, UnansweredError
 pytest.importorskip("asking_msgs", reason="`make test-ros2` builds this package")
 
 
-def test_services_and_peers_answer_each_other(judge: Judge, start: Start, tmp_path: Path) -> None:
+def test_services_and_peers_answer_each_other(
+    judge: Judge, start: Start, tmp_path: Path, free_udp_ports: Sequence[int]
+) -> None:
     """Each call gets the response of the board, once, or an error; and a base gets the response of a service."""
     registry = load_registry(write_asking_project(tmp_path / "project"), "asking_rover")
-    peers = {}
-    for peer in registry.peers:
-        with listener() as free:
-            peers[peer.name] = port_of(free)
+    peers = dict(zip((peer.name for peer in registry.peers), free_udp_ports))
     ports = {one.port_parameter: peers[one.name] for one in registry.peers}
     words = [word for name, port in {"listen_port": 0, **ports}.items() for word in ("-p", f"{name}:={port}")]
     program = start("run", "--json", "--project", tmp_path / "project", "--middleware", "rclpy", "--ros-args", *words)

@@ -268,10 +268,8 @@ def test_calls_end_with_the_bridge() -> None:
 
 
 @contextlib.contextmanager
-def _behind_a_bad_link(rig: Rig, name: str, loss: float) -> Iterator[tuple[int, int]]:
+def _behind_a_bad_link(rig: Rig, name: str, loss: float, local: int) -> Iterator[tuple[int, int]]:
     """The port of a relay to the bridge, and the local port of a peer, whom another relay reaches."""
-    with listener() as free:
-        local = port_of(free)
     with contextlib.ExitStack() as stack:
         there = stack.enter_context(Relay(listener(), ("127.0.0.1", rig.bridge.port), 1, loss, 0.1, 0.002))
         back = stack.enter_context(Relay(listener(), ("127.0.0.1", local), 2, loss, 0.1, 0.002))
@@ -284,7 +282,7 @@ def _opened(kind: Any, name: str, ports: tuple[int, int]) -> Any:
 
 
 @pytest.mark.parametrize("count", [50, pytest.param(1000, marks=pytest.mark.slow)])
-def test_requests_of_a_client_over_a_bad_link(rig: Rig, count: int) -> None:
+def test_requests_of_a_client_over_a_bad_link(rig: Rig, free_udp_ports: Sequence[int], count: int) -> None:
     """With 30 % loss each way, each request ends with its response or an error, and the node hears none twice."""
     asked = _answer_on_topic(rig)
 
@@ -293,7 +291,7 @@ def test_requests_of_a_client_over_a_bad_link(rig: Rig, count: int) -> None:
             requests = [peer.request(_row("find").payload_type(what=number)) for number in range(count)]
             return await asyncio.wait_for(asyncio.gather(*requests, return_exceptions=True), PATIENCE_S)
 
-    with _behind_a_bad_link(rig, "base", 0.3) as ports:
+    with _behind_a_bad_link(rig, "base", 0.3, free_udp_ports[0]) as ports:
         results = asyncio.run(ask_all(ports))
     answered = [number for number, one in enumerate(results) if not isinstance(one, UnansweredError)]
     assert [results[number].x for number in answered] == [number / 2 for number in answered]
@@ -303,7 +301,7 @@ def test_requests_of_a_client_over_a_bad_link(rig: Rig, count: int) -> None:
 
 
 @pytest.mark.parametrize("count", [50, pytest.param(1000, marks=pytest.mark.slow)])
-def test_calls_of_a_service_over_a_bad_link(rig: Rig, count: int) -> None:
+def test_calls_of_a_service_over_a_bad_link(rig: Rig, free_udp_ports: Sequence[int], count: int) -> None:
     """The same towards a board, whose client drops repeated requests and repeats its responses by itself."""
     done: list[float] = []
 
@@ -322,7 +320,7 @@ def test_calls_of_a_service_over_a_bad_link(rig: Rig, count: int) -> None:
             task.cancel()
             return calls
 
-    with _behind_a_bad_link(rig, "board", 0.3) as ports:
+    with _behind_a_bad_link(rig, "board", 0.3, free_udp_ports[0]) as ports:
         calls = asyncio.run(asyncio.wait_for(be_a_board(ports), PATIENCE_S))
     assert {len(responses) for responses in calls} == {1}
     answered = [number for number, (response,) in enumerate(calls) if not response.error]
