@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Iterable, Sequence
+from itertools import takewhile
 from typing import NamedTuple, Protocol
 
 from roverlink.runtime.middleware.protocol import Callback
@@ -49,7 +50,7 @@ def serve(topics: Sequence[ServedTopic], ready: Iterable[ServedTopic]) -> None:
     """
     took_time = False
     for topic in ready:
-        urgent = [other for other in topics if other.priority > topic.priority]
+        urgent = [*takewhile(lambda other: other.priority > topic.priority, topics)]  # noqa: B023  # used at once
         if took_time:
             for other in urgent:
                 other.serve(_TAKE_BEHIND)

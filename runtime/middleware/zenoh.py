@@ -12,10 +12,11 @@ import contextlib
 import itertools
 import logging
 import queue
+import sys
 import threading
 import time
 from collections import defaultdict, deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -56,6 +57,10 @@ from roverlink.runtime.middleware.zenoh_keys import (
 
 _HEARTBEAT_S = 0.5  # as in rmw_zenoh
 _KEPT_TO_READ = 256  # smallest number of messages that wait for our thread, as in `dds_types`
+# Between two rounds of our thread, so that it takes the messages of a flood together. Two threads that hand each other
+# the interpreter for every message spend twice the CPU.
+_ROUND_S = 0.002
+_SWITCH_S = 0.0005  # longest wait of zenoh's threads for the interpreter, once for each message; Python's own is 5 ms
 _WARN_S = 2.0
 _NAMED = 3  # topics in a warning
 _SERVICES_DEPTH = 1000  # rmw_qos_profile_parameters
@@ -89,7 +94,7 @@ class ZenohSubscription:
         qos: Qos,
         exact_depth: bool,
         late: Callable[[], None] | None,
-        wake: Callable[[], None],
+        wake: Callable[[ZenohSubscription], None],
         has_publishers: Callable[[], bool],
     ) -> None:
         depth = None if qos.history == "keep_all" else qos.depth if exact_depth else max(qos.depth, _KEPT_TO_READ)
@@ -114,7 +119,7 @@ class ZenohSubscription:
         if self._counts_replaced and len(self.waiting) == self.waiting.maxlen:
             self.replaced += 1
         self.waiting.append(sample.payload.to_bytes())
-        self._wake()
+        self._wake(self)
 
     def take(self, most: int) -> list[bytes]:
         """Take at most ``most`` messages, the oldest first."""
@@ -160,11 +165,13 @@ class ZenohMiddleware(Middleware):
     def __init__(self, node: NodeIdentity, parameters: NodeParameters | None = None) -> None:
         self._node, self._domain = node, ros_domain()
         self._session = open_session()
+        sys.setswitchinterval(min(sys.getswitchinterval(), _SWITCH_S))
         self._numbers = itertools.count()
         self._held: list[Any] = []  # zenoh undeclares what nobody refers to
         self._jobs: queue.Queue[Callable[[], None] | None] = queue.Queue()
-        self._topics: tuple[tuple[ZenohSubscription, ServedTopic], ...] = ()
+        self._topics: dict[ZenohSubscription, ServedTopic] = {}  # begins with the largest priority; never changed
         self._changing = threading.Lock()
+        self._ready: dict[ZenohSubscription, None] = {}  # those with messages, in the order of arrival
         self._arrived = threading.Event()
         self._open = True
         self._graph = ZenohGraph(self._session, self._domain, self._jobs.put)
@@ -221,10 +228,10 @@ class ZenohMiddleware(Middleware):
             qos,
             exact_depth,
             late and partial(self._jobs.put, late),
-            self._arrived.set,
+            self._wake,
             partial(self._graph.has, PUBLISHER, entity),
         )
-        self._set_topics((*self._topics, (subscription, ServedTopic(subscription, callback, priority))))
+        self._set_topic(subscription, ServedTopic(subscription, callback, priority))
         key, put = entity.key(self._domain), _directly(subscription.put)
         if qos.durability == "transient_local":
             recovery = zenoh.ext.RecoveryConfig(periodic_queries=None, heartbeat=True)
@@ -243,7 +250,7 @@ class ZenohMiddleware(Middleware):
         self._held += ends
 
         def close() -> None:
-            self._set_topics(one for one in self._topics if one[0] is not subscription)
+            self._set_topic(subscription, None)
             for end in ends:
                 end.undeclare()
                 self._held.remove(end)
@@ -327,20 +334,39 @@ class ZenohMiddleware(Middleware):
         self._held.append(self._session.declare_queryable(key, _directly(ask), complete=True))
         self._announce(entity)
 
-    def _set_topics(self, topics: Iterable[tuple[ZenohSubscription, ServedTopic]]) -> None:
+    def _set_topic(self, subscription: ZenohSubscription, topic: ServedTopic | None) -> None:
         with self._changing:
-            self._topics = tuple(sorted(topics, key=lambda one: one[1].priority, reverse=True))
+            topics = {**self._topics, subscription: topic}
+            kept = [(one, served) for one, served in topics.items() if served is not None]
+            self._topics = dict(sorted(kept, key=lambda one: one[1].priority, reverse=True))
+
+    def _wake(self, subscription: ZenohSubscription) -> None:
+        self._ready[subscription] = None
+        self._arrived.set()
 
     def _take_until_stopped(self) -> None:
-        warn_at = 0.0
+        warn_at = next_round = 0.0
         while self._open:
             self._arrived.wait()
+            time.sleep(max(next_round - time.monotonic(), 0.0))
             self._arrived.clear()
-            topics = self._topics
-            while self._open and (ready := [topic for subscription, topic in topics if subscription.waiting]):
-                serve([topic for _, topic in topics], ready)
-            if time.monotonic() > warn_at and _warn_of_slowness([subscription for subscription, _ in topics]):
-                warn_at = time.monotonic() + _WARN_S
+            while self._open and self._ready:
+                served = self._take_once()
+                if time.monotonic() > warn_at and _warn_of_slowness(served):
+                    warn_at = time.monotonic() + _WARN_S
+            next_round = time.monotonic() + _ROUND_S
+
+    def _take_once(self) -> Sequence[ZenohSubscription]:
+        """Serve the topics that have messages now, and return them."""
+        topics, ready = self._topics, [*self._ready]
+        for subscription in ready:
+            del self._ready[subscription]
+        served = [topics[subscription] for subscription in ready if subscription in topics]
+        serve([*topics.values()], sorted(served, key=lambda topic: topic.priority, reverse=True))
+        for subscription in ready:
+            if subscription.waiting:
+                self._ready[subscription] = None
+        return ready
 
     def _serve_services(self) -> None:
         while (job := self._jobs.get()) is not None:
