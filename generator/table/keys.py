@@ -817,7 +817,7 @@ class Row(StandardTopicSettings):
         Rate | None,
         Meaning(
             "Largest number of messages per second that the bridge passes on, in either direction. A message that "
-            "comes too early waits for its time, and a newer message replaces it."
+            "comes too early waits for its time, and a newer message replaces it. A `forward` has a rate of its own."
         ),
     ] = None
     request: Annotated[
