@@ -25,6 +25,7 @@ import sys
 import sysconfig
 import venv
 from collections.abc import Callable, Iterable
+from itertools import takewhile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -43,12 +44,16 @@ _NO_PLUGINS = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": "-p xdis
 
 def main() -> int:
     """Prepare the distributions and run the tests in each."""
-    parser = argparse.ArgumentParser(description="Test the bridge against a real ROS 2 from PyPI.")
-    parser.add_argument("distributions", nargs="*", metavar="DISTRIBUTION", help=f"of {', '.join(DISTRIBUTIONS)}")
+    parser = argparse.ArgumentParser(
+        usage="run.py [-h] [--sourced | DISTRIBUTION ...] [option of pytest ...]",
+        description="Test the bridge against a real ROS 2 from PyPI.",
+    )
     parser.add_argument("--sourced", action="store_true", help="the ROS 2 that is sourced in this shell")
-    arguments, for_pytest = parser.parse_known_args()
-    wanted = [SOURCED] if arguments.sourced else arguments.distributions or DISTRIBUTIONS
-    if arguments.sourced and (arguments.distributions or not os.environ.get("AMENT_PREFIX_PATH")):
+    arguments, words = parser.parse_known_args()
+    distributions = [*takewhile(lambda word: not word.startswith("-"), words)]
+    for_pytest = words[len(distributions) :]
+    wanted = [SOURCED] if arguments.sourced else distributions or DISTRIBUTIONS
+    if arguments.sourced and (distributions or not os.environ.get("AMENT_PREFIX_PATH")):
         parser.error("--sourced is for the one ROS 2 of this shell; run `source /opt/ros/humble/setup.bash` first")
     if not arguments.sourced and (unknown := set(wanted) - set(DISTRIBUTIONS)):
         parser.error(f"unknown: {', '.join(unknown)} (known: {', '.join(DISTRIBUTIONS)})")
@@ -160,7 +165,7 @@ def _build_package(package: Path, distribution: str, folder: Path) -> None:
             ["--build", build, "--parallel", str(os.cpu_count() or 1)],
             ["--install", build],
         ):
-            command = [folder / "bin" / "cmake", *arguments]
+            command = ["cmake", *arguments]
             if subprocess.run(command, env=environment(distribution), stdout=log, stderr=log).returncode:
                 print("".join((folder / "build.log").read_text().splitlines(keepends=True)[-40:]), file=sys.stderr)
                 raise subprocess.CalledProcessError(1, "cmake")
