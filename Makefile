@@ -16,7 +16,11 @@ SOAK_FAULTS := $(addprefix --scenario ,reboot old-schema malformed padded lossy)
 FUZZ_SECONDS ?= 60
 # Without the compiled modules, each program that a test starts compiles all of roverlink again.
 unexport PYTHONDONTWRITEBYTECODE
+# For each pip: most modules of the packages are never imported.
+export PIP_COMPILE := no
 RUNTIME_INTERFACES := roverlink.generator.emit.targets.python.runtime_interfaces
+# Not in a new environment for each sdist and each wheel: `make test-dist` has pip build the sdists in new ones.
+BUILD = $(BIN)/python -m build --no-isolation --outdir dist
 # `make dist` compiles the native core for these, too, each with the cross compiler of Debian and Ubuntu.
 CROSS := $(filter-out $(shell uname -m),aarch64)
 # An editable install compiles the native core from these.
@@ -52,10 +56,10 @@ test-aarch64: dist  ## roverlink from its wheel on an aarch64 that QEMU emulates
 
 dist: $(VENV)/ready-dist  ## build the sdists of the three products, and from them the wheels, in dist/; that of roverlink for aarch64, too
 	rm -f dist/*.whl dist/*.tar.gz
-	for product in . rover check_launch; do $(BIN)/python -m build --outdir dist $$product || exit 1; done
+	for product in . rover check_launch; do $(BUILD) $$product || exit 1; done
 	@for machine in $(CROSS); do \
 		if command -v $$machine-linux-gnu-g++ >/dev/null; then \
-			CXX=$$machine-linux-gnu-g++ _PYTHON_HOST_PLATFORM=linux-$$machine $(BIN)/python -m build --wheel --outdir dist . || exit 1; \
+			CXX=$$machine-linux-gnu-g++ _PYTHON_HOST_PLATFORM=linux-$$machine $(BUILD) --wheel . || exit 1; \
 		else echo "no wheel of roverlink for $$machine: install its compiler (apt-get install g++-$$machine-linux-gnu)"; fi; done
 
 test-dist: dist  ## the wheel and the sdist in an empty environment and an empty folder: the three jobs of a user
@@ -148,12 +152,12 @@ $(VENV)/ready-bench-video: PACKAGES = '.[bench]' './rover[video]'
 $(VENV)/ready-bench-video: SIZE = 750
 
 $(VENV)/ready-dist: | $(VENV)/bin/python
-	@echo "installing build in $(VENV)"
-	@$(BIN)/python -m pip install --disable-pip-version-check build
+	@echo "installing build and hatchling in $(VENV)"
+	@$(BIN)/python -m pip install --disable-pip-version-check build hatchling
 	@touch $@
 
-# Not --quiet: pip shows the progress of each download. --no-compile: most modules of the packages are never imported.
+# Not --quiet: pip shows the progress of each download.
 $(addprefix $(VENV)/,ready-standard ready-demo ready-dev ready-full ready-vision ready-docs ready-fuzz ready-bench ready-bench-vision ready-bench-video): pyproject.toml rover/pyproject.toml check_launch/pyproject.toml $(NATIVE) | $(VENV)/bin/python
 	@echo "installing in $(VENV): about $(SIZE) MB on the disk; the first time, this can take minutes"
-	@$(BIN)/python -m pip install --disable-pip-version-check --no-compile $(addprefix --editable ,$(PACKAGES)) $(OPENCV_PIN)
+	@$(BIN)/python -m pip install --disable-pip-version-check $(addprefix --editable ,$(PACKAGES)) $(OPENCV_PIN)
 	@touch $@

@@ -11,6 +11,7 @@ programs can leave a pipe in the tree. Therefore:
 
 from __future__ import annotations
 
+import functools
 import os
 import unicodedata
 from collections.abc import Callable
@@ -66,6 +67,7 @@ def walk(root: Path, report: Callable[[str, str], None]) -> list[str]:
     found: list[str] = []
     entries = 0
     top = _top(root)
+    target_of = functools.cache(lambda link: _below(os.path.realpath(link), top))  # each way to a link meets it again
     # A stack instead of recursion: a path can have more levels than Python has stack frames. Each item is a folder, its
     # real path, and the real paths of the folders in which links were followed to reach it.
     pending: list[tuple[str, str, tuple[str, ...]]] = [("", os.path.realpath(root), ())]
@@ -90,7 +92,7 @@ def walk(root: Path, report: Callable[[str, str], None]) -> list[str]:
                 elif not child.is_symlink():
                     pending.append((path, os.path.join(real, child.name), left))
                 else:
-                    target = _below(os.path.realpath(child.path), top)
+                    target = target_of(child.path)
                     if any(_is_below(place, target) for place in (real, *left)):
                         raise RefusedFileError("it is a link to a folder that contains it")
                     pending.append((path, target, (*left, real)))

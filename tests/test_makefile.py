@@ -30,7 +30,7 @@ def test_make_says_what_it_installs_where_and_how_much(environment: str, package
     announcement, *rest = _made(tmp_path, target)
     assert announcement.startswith(f"installing in {tmp_path}: about ")
     editable = " ".join(f"--editable {one}" for one in packages)
-    assert rest == [f"ran: -m pip install --disable-pip-version-check --no-compile {editable}"]
+    assert rest == [f"ran: -m pip install --disable-pip-version-check {editable}"]
     assert _made(tmp_path, target) == [f"make: '{target}' is up to date."]
 
 

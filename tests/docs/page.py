@@ -124,8 +124,10 @@ class Reader:
         project, tools = folder / "project", folder / "tools"
         project.mkdir()
         tools.mkdir()
-        for name in _PROJECT:
-            _copy(ROOT / name, project / name)
+        for name in filter(Path.exists, map(ROOT.joinpath, _PROJECT)):
+            target = project / name.relative_to(ROOT)
+            target.parent.mkdir(exist_ok=True)
+            subprocess.run(["cp", "-a", name, target], check=True)  # roverlink/ links to the other folders
         held = ExitStack()
         domain = claim_domain(held)
         ports = dict(zip(("listen", "basestation", "hardware"), ports_of(domain)))
@@ -236,13 +238,6 @@ class Reader:
             _compare(terminal.command, terminal.shown, terminal.output(), terminal.line)
             assert code == 0, f"line {terminal.line}: {terminal.command} ends with exit code {code}"
         self._terminals.clear()
-
-
-def _copy(source: Path, target: Path) -> None:
-    if source.is_dir():
-        shutil.copytree(source, target, symlinks=True)  # roverlink/ links to the other folders
-    elif source.exists():
-        shutil.copy(source, target)
 
 
 def ports_of(domain: int) -> tuple[int, int, int]:
