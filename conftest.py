@@ -59,6 +59,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+@pytest.hookimpl(optionalhook=True)  # -p no:xdist knows no such hook
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """One worker more than there are cores: a fifth of the time, tests wait for sockets and programs."""
     return (os.cpu_count() or 1) + 1

@@ -15,8 +15,8 @@ from typing import Any
 import yaml
 
 from roverlink import bounded_files
+from roverlink.bounded_yaml import FAST_LOADER
 
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # PyYAML may be built without the fast one
 _LENGTH = 16  # hexadecimal digits: 64 bits, because nobody attacks a file of his own
 _PROTO_TOKEN = re.compile(
     r"""//[^\n]*|/\*.*?\*/|("(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|\w+|\S)""", re.DOTALL
@@ -30,7 +30,7 @@ def proto_digest(text: str) -> str:
 
 def table_digest(text: str) -> str:
     """Return the digest of the values in a table. Raises `yaml.YAMLError` if the text is not YAML."""
-    return _node_digest(yaml.compose(text, _LOADER), {})
+    return _node_digest(yaml.compose(text, FAST_LOADER), {})
 
 
 def text_at(table: Path, *keys: str) -> str:
@@ -39,7 +39,7 @@ def text_at(table: Path, *keys: str) -> str:
     The generator's reader of tables checks the whole table, which takes as long as all other steps of a start.
     """
     try:
-        node: Any = yaml.compose(bounded_files.read(table), _LOADER)
+        node: Any = yaml.compose(bounded_files.read(table), FAST_LOADER)
         for key in keys:
             node = next(value for name, value in node.value if name.value == key)
     except (OSError, yaml.YAMLError, StopIteration, AttributeError, TypeError, ValueError, RecursionError):

@@ -12,13 +12,16 @@ from typing import Any
 
 import yaml
 
+from roverlink.bounded_yaml import FAST_LOADER
+
 _DECLARATIONS = Path(__file__).parents[1] / "runtime" / "ros_arguments" / "node_parameters.yaml"
 
 
 @cache
 def node_parameters() -> dict[str, dict[str, Any]]:
     """Return the declaration of each ROS parameter by its name: ``default``, ``description``, ``unit`` and limits."""
-    declared: dict[str, dict[str, Any]] = yaml.safe_load(_DECLARATIONS.read_text(encoding="utf-8"))
+    text = _DECLARATIONS.read_text(encoding="utf-8")
+    declared: dict[str, dict[str, Any]] = yaml.load(text, FAST_LOADER)  # noqa: S506  # a safe loader
     return declared
 
 

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import atexit
 import keyword
+import marshal
+import os
 import re
 import subprocess
 import sys
 import tempfile
+import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import NamedTuple
@@ -24,13 +30,25 @@ from roverlink.generator.protos.files import declarations
 from roverlink.generator.protos.proto_rules import ProtoDoesNotCompile, UnimportableProtoPath
 from roverlink.generator.protos.schema import Schema
 
-# The same as `python -m grpc_tools.protoc`, which takes four times as long to start: it loads modules not needed here.
-_RUN = """
-import os, sys
-sys.path.append(sys.argv.pop(1))
+# Python takes ten times as long to start as protoc to read a few files. So one process loads protoc, and forks for each
+# run, which may crash. The process ends with ours, which closes its input, and with Ctrl-C.
+_SERVE = """
+import marshal, os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+sys.path.append(sys.argv[1])
 from grpc_tools import _protoc_compiler
-sys.exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in sys.argv]))
+while sys.stdin.buffer.peek(1):
+    folder, printed, arguments = marshal.load(sys.stdin.buffer)
+    run = os.fork()
+    if not run:
+        os.chdir(folder)
+        file = os.open(printed, os.O_WRONLY | os.O_CREAT)
+        os.dup2(file, 1)
+        os.dup2(file, 2)
+        os._exit(_protoc_compiler.run_main([os.fsencode(argument) for argument in arguments]))
+    print(os.waitstatus_to_exitcode(os.waitpid(run, 0)[1]), flush=True)
 """
+_ONE_RUN_AT_A_TIME = threading.Lock()
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,21 +173,59 @@ def compile_descriptors(
 
 
 def _protoc(staged: Path, files: Sequence[str], options: Sequence[str], inside: Path, shown_root: str) -> None:
-    import grpc_tools  # here: the help of a command needs no protoc
-
-    package = Path(grpc_tools.__file__).parent
     # grpcio-tools brings google/protobuf/*.proto. Its folder is the last one: a project's own copies come first.
-    includes = [f"-I{folder}" for folder in (staged, package / "_proto")]
+    includes = [f"-I{folder}" for folder in (staged, _grpc_tools() / "_proto")]
     options = [*options, "--include_imports", "--include_source_info"]
-    # -I: no module of the user hides a standard one; -S: nor are packages looked for that are not needed. The folder is
-    # empty, because of a file that is missing below the includes, protoc says something else if it is in the folder.
     # protoc would take a file named `-x.proto` as an option, and `@x.proto` as a file with options.
     named = [f"{staged}/{file}" if file.startswith(("-", "@")) else file for file in files]
-    command = [sys.executable, "-I", "-S", "-c", _RUN, str(package.parent), *includes, *options, *named]
-    done = subprocess.run(command, cwd=inside, capture_output=True, check=False)  # noqa: S603  # our Python
-    if done.returncode:
-        output = done.stderr.decode("utf-8", errors="replace")
+    # The folder is empty, because of a file that is missing below the includes, protoc says something else if it is in
+    # the folder.
+    code, printed = _run(inside, staged.with_name("printed"), ["protoc", *includes, *options, *named])
+    if code:
+        output = printed.decode("utf-8", errors="replace")
         raise DiagnosticsError(_protoc_findings(output, staged, shown_root))
+
+
+def _run(inside: Path, printed: Path, arguments: list[str]) -> tuple[int, bytes]:
+    """Run protoc in a folder, and let it print to a file. Returns its exit code, and what it printed."""
+    request = marshal.dumps((str(inside), str(printed), arguments))
+    said = b""
+    with _ONE_RUN_AT_A_TIME:
+        for _ in range(2):  # the process may have been killed since the last run
+            server = _server(os.getpid())
+            assert server.stdin is not None, "it was asked for"  # noqa: S101  # for mypy
+            assert server.stdout is not None, "it was asked for"  # noqa: S101  # for mypy
+            try:
+                with suppress(BrokenPipeError):
+                    server.stdin.write(request)
+                    server.stdin.flush()
+                if code := server.stdout.readline():
+                    return int(code), printed.read_bytes()
+                said = server.communicate()[1]
+            except BaseException:  # such as Ctrl-C: the answer to this request must not be that to the next one
+                server.kill()
+                server.wait()
+                _server.cache_clear()
+                raise
+            _server.cache_clear()
+    return 1, said
+
+
+@cache
+def _server(_process: int) -> subprocess.Popen[bytes]:
+    """Start the process that runs protoc for a process: a fork of ours must not share it."""
+    # -I: no module of the user hides a standard one; -S: nor are packages looked for that are not needed.
+    command = [sys.executable, "-I", "-S", "-c", _SERVE, str(_grpc_tools().parent)]
+    pipe = subprocess.PIPE
+    server = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, cwd="/")  # noqa: S603  # our Python
+    atexit.register(server.__exit__, None, None, None)  # closes its pipes and waits for it
+    return server
+
+
+def _grpc_tools() -> Path:
+    import grpc_tools  # here: the help of a command needs no protoc
+
+    return Path(grpc_tools.__file__).parent
 
 
 # protoc has no output for machines except GCC's form `file:line:column: text` (--error_format=gcc, its default). A file

@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import yaml
+
+from roverlink.bounded_yaml import FAST_LOADER
 from roverlink.runtime.core.errors import SetupError, nearest
 from roverlink.runtime.core.registry import End, EndName, Registry
 from roverlink.runtime.net.transports import transport_at
-from roverlink.runtime.text import strict_yaml
 from roverlink.runtime.text.host_names import LEARN, hosts_in
 from roverlink.transport_addresses import names_transport
 
@@ -62,7 +64,8 @@ class Declaration:
 
 _FILE = Path(__file__).with_name("node_parameters.yaml")
 DECLARED: Mapping[str, Declaration] = {
-    name: Declaration(**said) for name, said in strict_yaml.load(_FILE.read_text(encoding="utf-8")).items()
+    name: Declaration(**said)
+    for name, said in yaml.load(_FILE.read_text(encoding="utf-8"), FAST_LOADER).items()  # noqa: S506  # a safe loader
 }
 """Declarations of the parameters in `node_parameters.yaml`, by the name of the parameter."""
 LISTEN_PORT = DECLARED["listen_port"].default

@@ -14,11 +14,8 @@ _ENVELOPES = [
     REGISTRY.envelope(**{handler.route.name: payload_at(handler.payload_type, 1.0)}).SerializeToString()
     for handler in REGISTRY.handlers
 ]
-_SAMPLES = [
-    bytes([number]) + handler.to_cdr(payload_at(handler.payload_type, 1.0))
-    for number in range(32)
-    for handler in REGISTRY.handlers
-]
+_SERIALIZED = [handler.to_cdr(payload_at(handler.payload_type, 1.0)) for handler in REGISTRY.handlers]
+_SAMPLES = [bytes([number]) + cdr for number in range(32) for cdr in _SERIALIZED]
 _PAYLOADS = [
     bytes([number]) + payload_at(handler.payload_type, 1.0).SerializeToString()
     for number, handler in enumerate(REGISTRY.handlers)

@@ -33,7 +33,7 @@ def _validator() -> Any:
     return jsonschema.Draft202012Validator(schema)
 
 
-_OWN = yaml.safe_load((ROOT / "mapping.yaml").read_text(encoding="utf-8"))
+_OWN = yaml.load((ROOT / "mapping.yaml").read_bytes(), yaml.CSafeLoader)
 """The table of this repository."""
 
 

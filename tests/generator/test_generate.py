@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 
 import pytest
 from golden import ROOT, case, generate, inside, snapshot
+from needs import needs_linux
 from trees import edit
 
 from roverlink.__main__ import main
@@ -47,6 +49,18 @@ def test_output_depends_on_nothing_but_the_input(tmp_path: Path) -> None:
         results.append(snapshot(project))
     assert results[0] == results[1]
     assert len(results[0]) > 100
+
+
+@needs_linux
+def test_protoc_is_started_again(project: Path) -> None:
+    """If the process that runs protoc was killed, the next command does without it."""
+    assert generate(project, "--check").code == 0
+    children = {pid for file in Path("/proc/self/task").glob("*/children") for pid in file.read_text().split()}
+    of_protoc = [pid for pid in children if b"_protoc_compiler" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+    assert of_protoc
+    for pid in of_protoc:
+        os.kill(int(pid), signal.SIGKILL)
+    assert generate(project, "--check").code == 0
 
 
 def test_an_envelope_that_moves_leaves_nothing_behind(project: Path) -> None:

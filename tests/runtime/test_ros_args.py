@@ -13,6 +13,7 @@ from generated.registry import REGISTRY
 from roverlink.runtime import SetupError
 from roverlink.runtime.ros_arguments import parameters, ros_args
 from roverlink.runtime.ros_arguments.ros_args import RosArguments, parse, split
+from roverlink.runtime.text.strict_yaml import load
 
 _NODE = "udp_forwarder"
 _GENERATED_FILE = Path(__file__).parents[2] / "generated" / "ros" / "comms" / "config" / "udp.yaml"
@@ -48,6 +49,12 @@ def test_the_line_is_split(line: str, own: str, ros: str) -> None:
 
 
 # --- parameters -------------------------------------------------------------------------------------------------
+
+
+def test_each_parameter_is_declared_once() -> None:
+    """The strict reader, which takes too long for each start, reads the same declarations."""
+    text = Path(parameters.__file__).with_name("node_parameters.yaml").read_text(encoding="utf-8")
+    assert {name: parameters.Declaration(**said) for name, said in load(text).items()} == parameters.DECLARED
 
 
 @pytest.mark.parametrize(

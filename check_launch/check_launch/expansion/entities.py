@@ -25,7 +25,7 @@ class UnreadableFileError(Exception):
         return type(self), (self.place, str(self))
 
 
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where PyYAML has it
+FAST_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where PyYAML has it
 _DEEPEST = 100
 _MOST_NODES = 200_000
 
@@ -79,7 +79,7 @@ def compose(text: str, shown: str) -> yaml.Node | None:
     """Return the nodes of a YAML text, which know their lines and columns. Raises `UnreadableFileError`."""
     try:
         _check_size(text, shown)
-        return yaml.compose(text, Loader=_LOADER)
+        return yaml.compose(text, Loader=FAST_LOADER)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Span(shown, mark.line + 1, mark.column + 1) if mark else Span(shown)
@@ -103,7 +103,7 @@ def _check_size(text: str, shown: str) -> None:
         if before + count > _MOST_NODES:
             raise refuse(event, f"the file has more than {_MOST_NODES} values with its anchors in place")
 
-    for event in yaml.parse(text, Loader=_LOADER):
+    for event in yaml.parse(text, Loader=FAST_LOADER):
         if isinstance(event, yaml.CollectionStartEvent):
             open_nodes.append((event.anchor, 1))
             if len(open_nodes) > _DEEPEST:

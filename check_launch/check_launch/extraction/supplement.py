@@ -9,6 +9,8 @@ from typing import Any
 
 import yaml
 
+from check_launch.expansion.entities import FAST_LOADER
+
 _FILE = Path(__file__).with_name("supplement.yaml")
 
 
@@ -36,4 +38,4 @@ class Supplement:
 
 def read_supplement() -> Supplement:
     """Read the file."""
-    return Supplement(**yaml.safe_load(_FILE.read_text(encoding="utf-8")))
+    return Supplement(**yaml.load(_FILE.read_text(encoding="utf-8"), FAST_LOADER))  # noqa: S506  # a safe loader

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import yaml
 
+from check_launch.expansion.entities import FAST_LOADER
+
 _FILE = Path(__file__).with_name("stated_facts.yaml")
 
 
@@ -59,4 +61,4 @@ class StatedFacts:
 @cache
 def stated_facts() -> StatedFacts:
     """Read the file."""
-    return StatedFacts(**yaml.safe_load(_FILE.read_text(encoding="utf-8")))
+    return StatedFacts(**yaml.load(_FILE.read_text(encoding="utf-8"), FAST_LOADER))  # noqa: S506  # a safe loader

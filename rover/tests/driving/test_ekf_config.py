@@ -13,7 +13,8 @@ from generated.registry import REGISTRY
 
 _FILE = Path(__file__).parents[2] / "navigation" / "config" / "ekf.yaml"
 _NODES: dict[str, dict[str, Any]] = {
-    name.removeprefix("/**/"): node["ros__parameters"] for name, node in yaml.safe_load(_FILE.read_text()).items()
+    name.removeprefix("/**/"): node["ros__parameters"]
+    for name, node in yaml.load(_FILE.read_bytes(), yaml.CSafeLoader).items()
 }
 _FILTERS = ("ekf_filter_node_odom", "ekf_filter_node_map")
 _STATES = 15
