@@ -683,7 +683,8 @@ class _Run:
                 self._report(NotExpanded, given.place, message)
                 return None
             missing_file = shown if os.path.isabs(text) else f"'{text}'"
-            self._report(MissingFile, given.place, f"the parameter file {missing_file} is not there")
+            help = "" if os.path.splitext(text)[1] else "a text is the path of a file; parameters are {'name': value}"
+            self._report(MissingFile, given.place, f"the parameter file {missing_file} is not there", help)
             return None
         try:
             text_of = self._file_text if given.has_substitutions else None

@@ -69,7 +69,7 @@ class ParameterView:
     _unlisted: set[str] = field(default_factory=set)
     """Beginnings of the names of plugins whose list is not given."""
     _lists: dict[tuple[str, str], str] = field(default_factory=dict)
-    """Lists that name the items of a group, by what stands before and behind an item in its parameters."""
+    """Lists of sensors and plugins, by what stands before and behind an item in its parameters; empty if several."""
 
     def __post_init__(self) -> None:
         self._add(self.facts, "", set())
@@ -119,8 +119,9 @@ class ParameterView:
         parts = name.split(".")
         for at in range(len(parts) - 1):
             beginning = "".join(f"{part}." for part in parts[:at])
-            if listed := self._lists.get((beginning, ".".join(parts[at + 1 :]))):
-                return beginning + parts[at], listed
+            listed, group = self._lists.get((beginning, ".".join(parts[at + 1 :])), ""), beginning + parts[at]
+            if listed and not any(known.startswith(f"{group}.") for known in self.exact):
+                return group, listed
         return None
 
     def gives_below(self, name: str) -> bool:
@@ -291,6 +292,9 @@ class ParameterView:
             inner = f"{prefix}{name}."
             type_, type_place = self._type(slot, facts, prefix, name)
             self._load(LoadedPlugin(slot, prefix + name, type_, type_place or place), inner, prefix, seen)
+            for rest in [key.removeprefix(inner) for key in self.exact if key.startswith(inner)]:
+                if self._lists.setdefault((prefix, rest), full) != full:
+                    self._lists[prefix, rest] = ""
         if slot.type_key == "plugin":
             self._add_spare(slot, prefix, seen)
 
