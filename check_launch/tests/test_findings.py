@@ -122,7 +122,7 @@ _CASES: Mapping[str, Case] = {
     ),
     "a source of observations that is not listed": (
         {"a_launch.yaml": _CONTROLLER, "p.yaml": _COSTMAP},
-        ["p.yaml:7:9: PAR104", "p.yaml:9:17: PAR101 did you mean 'voxel_layer.points.topic'?"],
+        ["p.yaml:7:9: PAR104", "p.yaml:9:17: PAR102 did you mean 'points'?"],
     ),
     "a numbered sensor after a gap": (
         {
@@ -141,6 +141,13 @@ _CASES: Mapping[str, Case] = {
             "a_launch.yaml:3:5: LCH108 did you mean 'rtabmap'?",
             "a_launch.yaml:4:37: LCH103 did you mean 'name'?",
         ],
+    ),
+    "a launch file of ROS 1": (
+        {
+            "a.launch": '<launch>\n  <arg name="rate"/>\n  <node pkg="rviz" type="rviz" name="r">\n'
+            '    <rosparam file="$(find rviz)/a.yaml"/>\n  </node>\n</launch>\n'
+        },
+        ["a.launch:3:20: LCH103 in ROS 2 it is <node exec=...>"],
     ),
     "an argument that is not declared": (
         {"a.launch.xml": '<launch>\n  <node pkg="rviz2" exec="rviz2" name="$(var nam)"/>\n</launch>\n'},

@@ -12,7 +12,7 @@ from roverlink.__main__ import main
 _FILES = {
     "src/arm/package.xml": "<package><name>arm</name><version>1.0.0</version></package>",
     "src/arm/setup.py": "setup(entry_points={'console_scripts': "
-    "['driver = arm.driver:main', 'other = arm.other:main']})",
+    "['driver = ' 'arm.driver:main', 'other = arm.other:main']})",
     "src/arm/arm/__init__.py": "",
     "src/arm/arm/names.py": "EXECUTABLE = 'drivr'\n",
     "src/arm/arm/driver.py": """
@@ -49,7 +49,9 @@ def main():
 namespace base {
 class Wheels : public rclcpp::Node {
   std::shared_ptr<base::ParamListener> listener_;
-  Wheels() : Node("wheels") {}
+  Wheels(rclcpp::NodeOptions options = rclcpp::NodeOptions()) : rclcpp::Node("wheels", options) {
+    declare_parameter("width", 0.3);
+  }
 };
 }
 struct Clock {};
@@ -71,11 +73,11 @@ def generate_launch_description():
         Node(package='arm', executable=EXECUTABLE),
         Node(package='arm', executable='driver', parameters=[{'rte': 5.0}, {'joint.names': ['c']}, {'topic': 'a'}]),
         Node(package='arm', executable='other', parameters=[{'anything': 5.0}]),
-        Node(package='base', executable='wheels', parameters=[{'radius': 5.0}, {'radus': 0.2}]),
+        Node(package='base', executable='wheels', parameters=[{'radius': 5.0}, {'radus': 0.2}, {'width': 1}]),
     ])
 """,
 }
-_EXPECTED = [("LCH108", 11), ("PAR101", 12), ("PAR101", 14), ("PAR104", 14)]
+_EXPECTED = [("LCH108", 11), ("PAR101", 12), ("PAR101", 14), ("PAR103", 14), ("PAR104", 14)]
 
 
 @pytest.mark.slow

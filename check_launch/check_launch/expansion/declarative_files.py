@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shlex
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -100,12 +101,57 @@ _CHILDREN: Mapping[str, frozenset[str]] = {
 """Elements in each element that contains no actions."""
 _FOR_ALL: Mapping[str, str] = {"param": "set_parameter", "remap": "set_remap", "env": "set_env", "rosparam": "param"}
 """Actions that do for all nodes what an element does in one node, or did in ROS 1."""
+_OF_BOTH = frozenset({"arg", "env", "group", "include", "node", "param", "remap"})
+"""Elements that ROS 1 has, too."""
+_ROS1_ELEMENTS = frozenset({"rosparam", "machine", "test"})
+_ROS1_TEXT = re.compile(r"\$\((?:arg|find)\s|\$\(eval\s.*\barg\(")
+_ROS2_TEXT = re.compile(r"\$\((?:var|dirname|find-pkg-\w+|find-exec|exec-in-\w+)\b")
+
+
+class OfRos1Error(Exception):
+    """Raised for a launch file that only ROS 1 reads; has the place that tells, and its text as the message."""
+
+    def __init__(self, place: Span, message: str) -> None:
+        super().__init__(message)
+        self.place = place
 
 
 def read_declarative(path: Path, shown: str) -> tuple[list[Action], list[Diagnostic]]:
-    """Read the actions of a YAML or XML launch file, and what is wrong in it. Raises `UnreadableFileError`."""
+    """Read the actions of a YAML or XML launch file, and what is wrong in it.
+
+    Raises `UnreadableFileError` or `OfRos1Error`.
+    """
+    entities = read_entities(path, shown)
+    inside = list(_all_of(entities))
+    signs = [sign for entity in inside for sign in _signs_of_ros1(entity)]
+    if signs and path.suffix not in (".yaml", ".yml") and not any(map(_is_of_ros2, inside)):
+        raise OfRos1Error(*signs[0])
     reader = _Reader()
-    return reader.actions(read_entities(path, shown)), reader.findings
+    return reader.actions(entities), reader.findings
+
+
+def _all_of(entities: Iterable[Entity]) -> Iterator[Entity]:
+    for entity in entities:
+        yield entity
+        yield from _all_of(entity.children)
+
+
+def _signs_of_ros1(entity: Entity) -> Iterator[tuple[Span, str]]:
+    """Yield places and texts that ROS 1 reads and ROS 2 refuses."""
+    if entity.name in _ROS1_ELEMENTS:
+        yield entity.place, f"<{entity.name}>"
+    if entity.name == "node" and "type" in entity.attributes and "exec" not in entity.attributes:
+        yield entity.attributes["type"].place, "<node type=...>"
+    for attribute in entity.attributes.values():
+        if found := _ROS1_TEXT.search(str(attribute.value)):
+            yield attribute.place, f"{found[0].split()[0]} ...)"
+
+
+def _is_of_ros2(entity: Entity) -> bool:
+    """Return true for an element that ROS 1 refuses."""
+    is_new = entity.name in _ATTRIBUTES and entity.name not in _OF_BOTH
+    texts = (str(attribute.value) for attribute in entity.attributes.values())
+    return is_new or "exec" in entity.attributes or any(map(_ROS2_TEXT.search, texts))
 
 
 class _Reader:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,6 +28,8 @@ class UnreadableFileError(Exception):
 
 FAST_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where PyYAML has it
 _DEEPEST = 100
+_OF_LAUNCH = re.compile(r"<\w|^[\"']?launch[\"']?\s*:|\b(?:pkg|exec|include)\b", re.MULTILINE)
+"""An XML element, the list of a YAML file, or a word of one whose list is misspelt."""
 _MOST_NODES = 200_000
 
 
@@ -55,6 +58,14 @@ def read_entities(path: Path, shown: str) -> list[Entity]:
     """Read the elements of a launch file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
     text = text_of_file(path, shown)
     return _of_xml(text, shown) if text.lstrip().startswith("<") else list(_of_yaml(text, shown))
+
+
+def is_declarative(path: Path) -> bool:
+    """Return false for a YAML or XML file in which nothing is for `ros2 launch`: its name has another reason."""
+    try:
+        return _OF_LAUNCH.search(bounded_files.read(path).decode("latin-1")) is not None
+    except OSError:
+        return True  # so that the check says why
 
 
 def text_of_file(path: Path, shown: str) -> str:

@@ -31,7 +31,7 @@ from check_launch.expansion.actions import (
     StartNode,
 )
 from check_launch.expansion.child_process import DEFAULT_LIMITS, ChildEndedError, Limits, results
-from check_launch.expansion.declarative_files import read_declarative
+from check_launch.expansion.declarative_files import OfRos1Error, read_declarative
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.launch_context import Context, Packages, package_of_share
 from check_launch.expansion.launch_imports import Ignored
@@ -66,6 +66,7 @@ from check_launch.rules.launch_rules import (
     UnknownAction,
     UnreadableLaunchFile,
     WrongArgumentValue,
+    as_hint,
     as_warning,
 )
 from check_launch.rules.stated_facts import stated_facts
@@ -77,6 +78,7 @@ _MOST_INCLUDES = 1000
 _MOST_NODES = 5000
 _MOST_MEANT = 3  # names in advice
 _MOST_VARIATIONS = 200
+_FROM_ROS1 = "in ROS 2 it is <node exec=...>, <param from=...>, $(var x) and $(find-pkg-share x)"
 _WRONG_NODE = re.compile(r"[^A-Za-z0-9_]|^\d")
 _WRONG_TOPIC = re.compile(r"[^A-Za-z0-9_/~{}:*\\]|(?:^|/)\d")
 
@@ -236,7 +238,7 @@ class Expander:
         return run.result
 
     def actions(self, path: str) -> tuple[list[Action], list[Diagnostic]]:
-        """Return the actions of a launch file. Raises `UnreadableFileError` or `NeedsMoreError`."""
+        """Return the actions of a launch file. Raises `UnreadableFileError`, `NeedsMoreError` or `OfRos1Error`."""
         if path.endswith(".py"):
             return self.python(path).actions(), []
         if path not in self._declarative:
@@ -332,6 +334,12 @@ class _Run:
             self._note_missing(path)
             self.result.unevaluated.add(path)
             return [], [NotExpanded.at(error.place, str(error))]
+        except OfRos1Error as error:
+            self.result.unevaluated.add(path)
+            message = f"this is a launch file of ROS 1, with '{error}'; `ros2 launch` refuses it"
+            finding = UnknownAction.at(error.place, message, _FROM_ROS1)
+            is_meant = "catkin" in self.context.packages.dependencies(path)
+            return [], [as_hint(finding) if is_meant else finding]
         self._note_missing(path)
         return actions, findings
 
@@ -675,7 +683,8 @@ class _Run:
                 self._report(NotExpanded, given.place, message)
                 return None
             missing_file = shown if os.path.isabs(text) else f"'{text}'"
-            self._report(MissingFile, given.place, f"the parameter file {missing_file} is not there")
+            help = "" if os.path.splitext(text)[1] else "a text is the path of a file; parameters are {'name': value}"
+            self._report(MissingFile, given.place, f"the parameter file {missing_file} is not there", help)
             return None
         try:
             text_of = self._file_text if given.has_substitutions else None

@@ -493,6 +493,8 @@ class StandIns:
         if isinstance(given, ParameterFile):
             has_substitutions = given.allow_substs is True or str(given.allow_substs).lower() == "true"
             given = given.param_file
+        if isinstance(given, set | frozenset):  # {'name', value}: `launch` reads a path in several parts
+            given = sorted(given, key=str)
         if isinstance(given, RewrittenYaml):
             yield GivenFile(given.source_file, place, has_substitutions, given.root_key, given.param_rewrites)
         elif not isinstance(given, Ignored):

@@ -52,6 +52,11 @@ class Checkout:
     Then classes that may have more parameters or topics, and packages that may have more executables, are marked."""
 
 
+def _in_package(package: str, class_name: str) -> str:
+    """Return the name of a class of which another package has one of the same name."""
+    return f"package {package}::{class_name}"
+
+
 def packages_in(folder: Path) -> dict[str, Path]:
     """Return the folders of the packages in a checkout that build something, without tests and examples."""
     found: dict[str, Path] = {}
@@ -96,9 +101,12 @@ class Assembler:
         for package, (folder, checkout) in self._packages.items():
             self._facts[package] = read(folder) if package != "rtabmap" else PackageFacts()
             for class_name, of_class in self._facts[package].classes.items():
-                self._classes.setdefault(class_name, of_class)
-                if not checkout.is_supplemented:
-                    self._with_marks.add(class_name)
+                if checkout.is_supplemented:
+                    self._classes.setdefault(class_name, of_class)
+                else:  # packages of strangers have classes of the same name, such as `Teleop`
+                    name = _in_package(package, class_name) if class_name in self._classes else class_name
+                    self._classes[name] = of_class
+                    self._with_marks.add(name)
         self._short: dict[str, list[str]] = {}
         for class_name in self._classes:
             self._short.setdefault(class_name.rpartition("::")[2], []).append(class_name)
@@ -142,7 +150,7 @@ class Assembler:
     def _package(self, name: str, launch_files: Mapping[str, Any]) -> Package:
         facts = self._facts[name]
         programs = {
-            program: self._resolved(class_name, "") or "" if class_name else ""
+            program: self._resolved(class_name, _in_package(name, "")) or "" if class_name else ""
             for program, class_name in facts.programs.items()
         }
         if not self._packages[name][1].is_supplemented:  # a class that is no node is a part of one that was not found
@@ -155,7 +163,8 @@ class Assembler:
             for key, value in self._supplement.programs.items()
             if key.startswith(f"{name}/")
         }
-        components = tuple(self._resolved(component, "") or component for component in facts.components)
+        own = _in_package(name, "")
+        components = tuple(self._resolved(component, own) or component for component in facts.components)
         return Package(
             name,
             facts.version,
@@ -174,13 +183,13 @@ class Assembler:
 
     def _resolved(self, written: str, owner: str) -> str | None:
         """Return the qualified name of a class that is written in a class of the namespace ``owner``."""
-        if written in self._classes:
-            return written
         namespace = owner
         while namespace:
             namespace = namespace.rpartition("::")[0]
             if namespace and f"{namespace}::{written}" in self._classes:
                 return f"{namespace}::{written}"
+        if written in self._classes:
+            return written
         candidates = self._short.get(written.rpartition("::")[2], [])
         fitting = [name for name in candidates if name == written or name.endswith(f"::{written}")]
         known = fitting or (

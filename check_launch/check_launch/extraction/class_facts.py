@@ -319,7 +319,8 @@ class _PackageReader:
         type_, default = scope.value(given) if given else ("", None)
         if call.template:
             written, _ = scope.value(f"std::vector<{call.template}>()")
-            type_ = type_ or written.removesuffix("_array")
+            type_ = written.removesuffix("_array") or type_
+            default = float(default) if type_ == "double" and type(default) is int else default
         known = self._facts(call.owner).parameters
         before = known.get(name)
         known[name] = (

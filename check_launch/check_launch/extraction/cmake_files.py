@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass, replace
@@ -13,7 +14,7 @@ _COMMENT = re.compile(r"#[^\n]*")
 _CALL = re.compile(r"\b(\w+)\s*\(([^()]*(?:\([^()]*\)[^()]*)*)\)")
 _VARIABLE = re.compile(r"\$\{(\w+)\}")
 _WORD = re.compile(r'"([^"]*)"|([^\s"]+)')
-_ENTRY_POINT = re.compile(r"(?:['\"]|^)\s*([\w.-]+)\s*=\s*([\w.]+):\w+\s*(?:['\"]|$)", re.MULTILINE)
+_ENTRY_POINT = re.compile(r"^\s*([\w.-]+)\s*=\s*([\w.]+):[\w.]+\s*$", re.MULTILINE)
 _OPEN = frozenset({"foreach", "macro", "function", "while"})
 """Commands of CMake whose executables may have other names than the text says."""
 _MAIN = re.compile(r"\bmain\s*\(")
@@ -58,10 +59,7 @@ def built_by(folder: Path, classes: Mapping[str, ClassFacts]) -> Built:
             reader.read(path)
     for name in ("setup.py", "setup.cfg"):
         if (folder / name).is_file():
-            text = (folder / name).read_text(encoding="utf-8", errors="replace")
-            reader.programs |= {
-                program: BuiltProgram(program, module=module) for program, module in _ENTRY_POINT.findall(text)
-            }
+            reader.read_entry_points((folder / name).read_text(encoding="utf-8", errors="replace"), name)
     is_other = not any((folder / name).is_file() for name in ("CMakeLists.txt", "setup.py"))
     spelled = {reader.names.get(target, target): program for target, program in reader.programs.items()}
     programs = [replace(program, name=name) for name, program in spelled.items() if "$" not in name]
@@ -103,6 +101,24 @@ class _Build:
             elif function == "install" and words:
                 self._installed(path.parent, words)
 
+    def read_entry_points(self, text: str, name: str) -> None:
+        """Add the programs of a setup.py or setup.cfg."""
+        texts = [text]
+        if name == "setup.py":
+            try:
+                tree = ast.parse(text)
+            except (SyntaxError, ValueError, RecursionError):
+                self.is_partial = True
+                return
+            # The syntax tree joins texts that stand side by side. A text that is put together, or a file that is
+            # copied to lib/, may be one more program.
+            texts = list(_texts_in(tree))
+            computed = (node for node in ast.walk(tree) if isinstance(node, ast.JoinedStr | ast.BinOp))
+            self.is_partial |= any(":" in part for node in computed for part in _texts_in(node))
+            self.is_partial |= any(part == "lib" or part.startswith("lib/") for part in texts)
+        found = [entry for part in texts for entry in _ENTRY_POINT.findall(part)]
+        self.programs |= {program: BuiltProgram(program, module=module) for program, module in found}
+
     def _class_of(self, folder: Path, files: Iterable[str]) -> str:
         """Return the class of the node that a program's main function creates: not of what the node gets."""
         paths = [folder / name for name in files]
@@ -129,6 +145,12 @@ class _Build:
                 inside = (folder / path).relative_to(self._folder) if not path.is_absolute() else path
                 module = ".".join(inside.with_suffix("").parts) if path.suffix == ".py" else ""
                 self.programs[path.name] = BuiltProgram(path.name, module=module)
+
+
+def _texts_in(node: ast.AST) -> Iterator[str]:
+    for part in ast.walk(node):
+        if isinstance(part, ast.Constant) and isinstance(part.value, str):
+            yield part.value
 
 
 def _calls(text: str, variables: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:

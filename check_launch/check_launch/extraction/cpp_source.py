@@ -16,7 +16,10 @@ _TOKENS = re.compile(
 )
 _NAMESPACE = re.compile(r"\bnamespace\s+([\w:]+)\s*$")
 _CLASS = re.compile(r"\b(?:class|struct)\s+(?:[A-Z_]+\s+)?(\w+)\s*(?:final\s*)?(?::(?!:)\s*(?P<bases>.*))?$", re.DOTALL)
-_FUNCTION = re.compile(r"([\w:]*\w)(?:<[^<>()]*>)?::~?\w+\s*\(")
+_FUNCTION = re.compile(r"([\w:]*\w)(?:<[^<>()]*>)?::~?\w+\s*[(\0]")
+_PARENTHESES = re.compile(r"\([^()]*\)")
+_INITIALIZERS = re.compile(r"\0[^\0:]*:(?!:)")
+"""Beginning of a constructor's initializers, behind its arguments."""
 _BASE = re.compile(r"\b(?:public|protected|private|virtual)\s+")
 
 
@@ -160,7 +163,7 @@ class CppSource:
             )
             self.classes.append(DeclaredClass(name, bases))
             return "class", name
-        if owner := _FUNCTION.search(header):
+        if owner := _FUNCTION.search(_without_arguments(header)):
             name = owner[1]
             return "function", name if name.startswith(f"{outer}::") or not outer else f"{outer}::{name}"
         if not header.strip() or header.lstrip().startswith(","):  # after a constructor's initializers with braces
@@ -186,6 +189,18 @@ def split_arguments(text: str) -> list[str]:
         position += 1
     last = text[start:].strip()
     return [*parts, last] if last or parts else []
+
+
+def _without_arguments(header: str) -> str:
+    """Return the text before a function's body with a null character for its arguments, and without its initializers.
+
+    Both may name other classes: ``Camera(NodeOptions o = rclcpp::NodeOptions()) : rclcpp::Node("camera", o)``.
+    """
+    text = _TOKENS.sub('""', header)
+    while (shorter := _PARENTHESES.sub("\0", text)) != text:
+        text = shorter
+    initializers = _INITIALIZERS.search(text)
+    return text[: initializers.start() + 1] if initializers else text
 
 
 def _closing_angle(text: str, opening: int) -> int | None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from check_launch.catalogue.facts import OWN_SOURCE, Catalogue
 from check_launch.expansion.child_process import DEFAULT_LIMITS, Limits
-from check_launch.expansion.entities import UnreadableFileError, text_of_file
+from check_launch.expansion.entities import UnreadableFileError, is_declarative, text_of_file
 from check_launch.expansion.expander import Expander, Expansion
 from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.parameter_files import NoParametersError, ParameterFile, is_parameter_file
@@ -295,7 +295,7 @@ def files_to_check(paths: Iterable[Path], missing: Callable[[Path], None]) -> It
 
 
 def _is_checked(path: Path) -> bool:
-    """Return true for a launch file or parameter file in a folder; not for Python files without launch description."""
+    """Return true for a launch file or parameter file in a folder; not for others that have such a name."""
     if path.name.endswith(LAUNCH_ENDINGS):
-        return path.suffix != ".py" or is_launch_program(path)
+        return is_launch_program(path) if path.suffix == ".py" else is_declarative(path)
     return path.suffix in (".yaml", ".yml") and is_parameter_file(path)

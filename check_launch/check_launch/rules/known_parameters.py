@@ -17,6 +17,7 @@ from check_launch.rules.stated_facts import stated_facts
 from roverlink.generator.diagnostics import Span
 
 _LIST = re.compile(r"\{([^{}#*]+)\}")
+_ITEM = re.compile(r"\{([^{}#*]+)\}\.([^{}]+)")
 _FREE = re.compile(r"\{[#*]\}")
 _VALUE = re.compile(r"\$\(([^()|]+)(?:\|([^()]*))?\)")
 _NUMBER = r"(0|[1-9]\d*)"
@@ -67,6 +68,8 @@ class ParameterView:
     """Plugins in the lists that are given."""
     _unlisted: set[str] = field(default_factory=set)
     """Beginnings of the names of plugins whose list is not given."""
+    _lists: dict[tuple[str, str], str] = field(default_factory=dict)
+    """Lists of sensors and plugins, by what stands before and behind an item in its parameters; empty if several."""
 
     def __post_init__(self) -> None:
         self._add(self.facts, "", set())
@@ -110,6 +113,20 @@ class ParameterView:
         own = name.partition(".")[0]
         is_loaded = any(inner.type_parameter.replace("{*}", own) in self.given for inner in self.facts.nodes)
         return own if "." in name and is_loaded else ""
+
+    def unlisted(self, name: str) -> tuple[str, str] | None:
+        """Return the group of a parameter, such as ``layer.scan``, and the list that lacks it; None if none does."""
+        parts = name.split(".")
+        for at in range(len(parts) - 1):
+            beginning = "".join(f"{part}." for part in parts[:at])
+            listed, group = self._lists.get((beginning, ".".join(parts[at + 1 :])), ""), beginning + parts[at]
+            if listed and not any(known.startswith(f"{group}.") for known in self.exact):
+                return group, listed
+        return None
+
+    def gives_below(self, name: str) -> bool:
+        """Return true if a parameter of a group, such as ``voxel_layer``, is given."""
+        return any(given.startswith(f"{name}.") for given in self.given)
 
     def is_misspelt(self, name: str) -> bool:
         """Return true for the misspelling of a parameter that is known and not given."""
@@ -238,6 +255,8 @@ class ParameterView:
         if "{" not in pattern:
             self.exact.setdefault(prefix + pattern, parameter)
             return
+        if (item := _ITEM.fullmatch(pattern)) and self.names(prefix + item[1]) is not None:
+            self._lists[prefix, item[2]] = prefix + item[1]
         alternatives = [pattern.replace("{*}", f"\0{_ANY_NAME}\0")]
         for match in _LIST.finditer(pattern):
             names = self.names(prefix + match[1])
@@ -273,6 +292,9 @@ class ParameterView:
             inner = f"{prefix}{name}."
             type_, type_place = self._type(slot, facts, prefix, name)
             self._load(LoadedPlugin(slot, prefix + name, type_, type_place or place), inner, prefix, seen)
+            for rest in [key.removeprefix(inner) for key in self.exact if key.startswith(inner)]:
+                if self._lists.setdefault((prefix, rest), full) != full:
+                    self._lists[prefix, rest] = ""
         if slot.type_key == "plugin":
             self._add_spare(slot, prefix, seen)
 

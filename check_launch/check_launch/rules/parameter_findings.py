@@ -32,6 +32,7 @@ from check_launch.rules.node_findings import value_findings
 from check_launch.rules.stated_facts import stated_facts
 from check_launch.rules.system import RunningNode, System, Use, Variants
 from roverlink.generator.diagnostics import Diagnostic, Span
+from roverlink.numerals import counted
 
 _OF_LIBRARIES = re.compile(
     r"qos_overrides\..*|use_sim_time|start_type_description_service|diagnostic_updater\..*"
@@ -117,6 +118,12 @@ def view_findings(
             yield from _wrong_value(given, parameter)
         elif not _OF_LIBRARIES.fullmatch(given.name):
             unknown.append(given)
+    found = (view.unlisted(given.name) for given in unknown if not view.is_open(given.name))
+    for group, listed in dict.fromkeys(filter(None, found)):
+        inside = [given for given in unknown if given.name.startswith(f"{group}.")]
+        unknown = [given for given in unknown if given not in inside]
+        finding = _of_group(group, listed, inside, view)
+        yield as_hint(finding) if is_unsure else finding
     for given in unknown[:_MOST_UNKNOWN]:
         if own := view.loaded_node(given.name):
             message = f"'{given.name}' has no effect here in {shown}: '{own}' is a node of its own"
@@ -134,6 +141,17 @@ def view_findings(
     yield from _of_axes(view)
     for finding in value_findings(view):
         yield as_hint(finding) if view.is_partial and system is not None else finding
+
+
+def _of_group(group: str, listed: str, inside: list[GivenValue], view: ParameterView) -> Diagnostic:
+    """Return the finding about parameters of an item, such as a sensor, that is not in the list of such items."""
+    item = group.rpartition(".")[2]
+    beginning = group.removesuffix(item)
+    near = [
+        one for one in view.names(listed) or () if is_misspelling(item, one) and not view.gives_below(beginning + one)
+    ]
+    message = f"'{item}' is not in the list '{listed}', so that it has no effect ({counted(len(inside), 'parameter')})"
+    return MisplacedParameter.at(inside[0].place, message, did_you_mean(near, "add it to the list, or remove it"))
 
 
 def _unknown(given: GivenValue, shown: str, view: ParameterView, system: System | None) -> Diagnostic:
@@ -278,9 +296,7 @@ def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
     bare = [
         other.name
         for other in view.plugins
-        if other.slot == plugin.slot
-        and not other.is_spare
-        and not any(key.startswith(f"{other.name}.") for key in view.given)
+        if other.slot == plugin.slot and not other.is_spare and not view.gives_below(other.name)
     ]
     near = [name for name in bare if is_near(plugin.name, name, 2)]
     if plugin.place is not None and near:
