@@ -12,7 +12,9 @@ from roverlink.generator.emit.writer import compare, write
 from roverlink.generator.pipeline import compile_table
 from roverlink.runtime import Registry, load_registry
 
+# A process can load two projects only if no .proto file has the same name.
 _TABLE = """
+envelope: {file: wire_cases/envelope.proto, message: wire_cases.Envelope, oneof: payload}
 python: {package: wire_cases}
 messages:
   - {number: 1, name: wire, proto: Wire, topic: wire, direction: board_to_ros}

@@ -257,6 +257,7 @@ def test_a_missing_package_is_named(
 ) -> None:
     """One line says how to install it, exit code 2; no other middleware takes its place."""
     run = record_one_message(tmp_path / "run.mcap") if "{run}" in line else None
+    environment["XDG_CACHE_HOME"] = str(tmp_path / "cache")  # what black has formatted before needs no black
     command = [sys.executable, "-c", f"{_HIDING}sys.exit(main(sys.argv[2:]))", module, *line.format(run=run).split()]
     (tmp_path / "empty").mkdir()
     folder = tmp_path / "empty" if line == "init" else _ROOT
