@@ -22,7 +22,8 @@ class Driver(Node):
     def __init__(self):
         super().__init__('driver')
         self.parts[0] = True
-        self.declare_parameter('rate', 10.0)
+        declare = self.declare_parameter
+        declare('rate', 10.0)
         self.declare_parameters('joint', [('names', ['a', 'b'])])
         self.topic = self.declare_parameter('topic', 'joints').value
         self.publisher = self.create_publisher(JointState, self.topic, 10)

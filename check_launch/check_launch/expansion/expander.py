@@ -211,6 +211,7 @@ class Expander:
         return found
 
     def _variants(self, path: Path, arguments: Mapping[str, str]) -> Iterator[Expansion]:
+        self._packages.prefer(path)
         first = self.expand(path, arguments)
         others = list(itertools.islice(variations(first), _MOST_VARIATIONS + 1))
         if len(others) > _MOST_VARIATIONS:

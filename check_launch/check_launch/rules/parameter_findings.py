@@ -158,7 +158,7 @@ def _of_group(group: str, listed: str, inside: list[GivenValue], view: Parameter
 
 def _unknown(given: GivenValue, shown: str, view: ParameterView, system: System | None) -> Diagnostic:
     at = given.place
-    known = list(view.exact)
+    known = [name for name in view.exact if name not in view.given]
     message = f"{shown} has no parameter '{given.name}'"
     for shared in view.facts.shared:
         renamed = view.catalogue.sets[shared.set].renamed
@@ -178,11 +178,16 @@ def _unknown(given: GivenValue, shown: str, view: ParameterView, system: System 
     if elsewhere:
         places = _listed(elsewhere)
         return MisplacedParameter.at(at, f"'{given.name}' has no effect here in {shown}", f"it belongs to {places}")
-    others = [
-        other.name
-        for other in (system.nodes if system else ())
-        if other.view is not None and other.view is not view and other.view.known(given.name) is not None
-    ]
+    others: list[str] = []
+    for other in system.nodes if system else ():
+        if other.view is None or other.view is view or other.view.known(given.name) is None:
+            continue
+        if other.view.facts is view.facts:  # another costmap, which loads the plugin with the parameter
+            plugin = next((one for one in other.view.plugins if given.name.startswith(f"{one.name}.")), None)
+            if plugin is not None:
+                text = f"{shown} does not load '{plugin.name}', so that '{given.name}' has no effect"
+                return MisplacedParameter.at(at, text, f"add it to '{plugin.slot.parameter}', or remove it")
+        others.append(other.name)
     users = sum(given.name in facts.parameters for facts in view.catalogue.classes.values())
     if others and users <= _MOST_PLACES:
         return MisplacedParameter.at(at, message, f"it belongs to {_listed(others)}")
