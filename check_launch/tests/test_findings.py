@@ -548,7 +548,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     "elements of ROS 1": (
         "  - remap: {from: a, to: b}\n  - node: {pkg: rviz2, type: rviz2, params: [{name: a}]}\n",
         "",
-        ["error LCH103 did you mean 'set_remap'?", "error LCH103", "error LCH108", "error LCH103", "error LCH103"],
+        ["error LCH103 did you mean 'set_remap'?", "error LCH103", "error LCH103", "error LCH103"],
     ),
     "an alias": (
         _node("robot_localization", "ekf_node", name="ekf"),

@@ -22,7 +22,8 @@ class Driver(Node):
     def __init__(self):
         super().__init__('driver')
         self.parts[0] = True
-        self.declare_parameter('rate', 10.0)
+        declare = self.declare_parameter
+        declare('rate', 10.0)
         self.declare_parameters('joint', [('names', ['a', 'b'])])
         self.topic = self.declare_parameter('topic', 'joints').value
         self.publisher = self.create_publisher(JointState, self.topic, 10)
@@ -60,6 +61,17 @@ int main() {
   rclcpp::spin(std::make_shared<base::Wheels>(clock));
 }
 """,
+    "src/cart/package.xml": "<package><name>cart</name><version>1.0.0</version></package>",
+    "src/cart/CMakeLists.txt": "project(cart)\nadd_executable(wheels src/wheels.cpp)\n",
+    "src/cart/src/wheels.cpp": """
+namespace base {
+class Wheels : public rclcpp::Node {
+  Wheels() : Node("wheels") { declare_parameter<float>("spoke", 3); }
+};
+}
+int main() { rclcpp::spin(std::make_shared<base::Wheels>()); }
+""",
+    "src/cart/tmux/rover_launch.yaml": "session_name: rover\n",
     "src/base/launch/a.launch.py": """
 from arm.names import EXECUTABLE
 from launch import LaunchDescription
@@ -72,12 +84,21 @@ def generate_launch_description():
     return LaunchDescription([
         Node(package='arm', executable=EXECUTABLE),
         Node(package='arm', executable='driver', parameters=[{'rte': 5.0}, {'joint.names': ['c']}, {'topic': 'a'}]),
-        Node(package='arm', executable='other', parameters=[{'anything': 5.0}]),
+        Node(package='arm', executable='other', parameters=[{'anything': 5.0}, {'a', 'b'}]),
         Node(package='base', executable='wheels', parameters=[{'radius': 5.0}, {'radus': 0.2}, {'width': 1}]),
+        Node(package='cart', executable='wheels', parameters=[{'spoke': 5.0}, {'radius': 0.2}]),
     ])
 """,
 }
-_EXPECTED = [("LCH108", 11), ("PAR101", 12), ("PAR101", 14), ("PAR103", 14), ("PAR104", 14)]
+_EXPECTED = [
+    ("LCH108", 11),
+    ("LCH111", 13),
+    ("PAR101", 12),
+    ("PAR101", 14),
+    ("PAR102", 15),
+    ("PAR103", 14),
+    ("PAR104", 14),
+]
 
 
 @pytest.mark.slow

@@ -124,7 +124,7 @@ def read_declarative(path: Path, shown: str) -> tuple[list[Action], list[Diagnos
     entities = read_entities(path, shown)
     inside = list(_all_of(entities))
     signs = [sign for entity in inside for sign in _signs_of_ros1(entity)]
-    if signs and path.suffix not in (".yaml", ".yml") and not any(map(_is_of_ros2, inside)):
+    if path.suffix not in (".yaml", ".yml") and len(signs) > sum(map(_is_of_ros2, inside)):
         raise OfRos1Error(*signs[0])
     reader = _Reader()
     return reader.actions(entities), reader.findings

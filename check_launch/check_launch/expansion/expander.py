@@ -57,7 +57,7 @@ from check_launch.expansion.substitutions import (
     text_of,
 )
 from check_launch.expansion.written_text import WrongTextError, parse_text
-from check_launch.misspellings import all_nearest, did_you_mean, nearest
+from check_launch.misspellings import all_nearest, did_you_mean, misspelt
 from check_launch.rules.launch_rules import (
     InvalidName,
     MissingFile,
@@ -211,6 +211,7 @@ class Expander:
         return found
 
     def _variants(self, path: Path, arguments: Mapping[str, str]) -> Iterator[Expansion]:
+        self._packages.prefer(path)
         first = self.expand(path, arguments)
         others = list(itertools.islice(variations(first), _MOST_VARIATIONS + 1))
         if len(others) > _MOST_VARIATIONS:
@@ -324,7 +325,7 @@ class _Run:
             if stored is None:
                 self._skips += 1
                 self.result.skipped.setdefault(package, place)
-                near = nearest(inner, self._expander.stored_files(package), 0.8)
+                near = misspelt(inner, self._expander.stored_files(package))
                 message = f"the package '{package}' has no launch file '{inner}'"
                 return [], [UnreadableLaunchFile.at(place, message, did_you_mean(near))] if near else []
             return actions_of_stored(stored, place), []
@@ -685,6 +686,9 @@ class _Run:
             missing_file = shown if os.path.isabs(text) else f"'{text}'"
             help = "" if os.path.splitext(text)[1] else "a text is the path of a file; parameters are {'name': value}"
             self._report(MissingFile, given.place, f"the parameter file {missing_file} is not there", help)
+            return None
+        if os.path.isdir(path) and any(_arguments_in(given.path, is_condition=True)):
+            self._report(NotExpanded, given.place, f"'{text}' is a folder; an argument has to name a file of it")
             return None
         try:
             text_of = self._file_text if given.has_substitutions else None

@@ -28,8 +28,11 @@ class Packages:
     def __init__(self, tops: Iterable[Path]) -> None:
         """``tops`` are folders in which packages are searched, such as the top of a repository."""
         self._tops = tuple(dict.fromkeys(top.resolve() for top in tops))
-        self.folders = dict(_packages_in(self._tops))
+        found = list(dict.fromkeys(_packages_in(self._tops)))
+        self.folders = dict(found)
         """Folders of the packages in source trees, by the names of the packages."""
+        self.copies = {name: [other for same, other in found if same == name] for name in self.folders}
+        """All folders of each package: a repository may have several versions of one."""
         self._dependencies: dict[Path, frozenset[str]] = {}
 
     def share(self, package: str) -> str:
@@ -41,6 +44,11 @@ class Packages:
             if folder.is_dir():
                 return str(folder)
         return f"{UNKNOWN_SHARE}{package}"
+
+    def prefer(self, path: Path) -> None:
+        """Take the folders that are the nearest to a launch file for packages that are there in several versions."""
+        for name, folders in self.copies.items():
+            self.folders[name] = max(folders, key=lambda folder: len(os.path.commonpath([folder, path])))
 
     def has(self, package: str) -> bool:
         """Return true if the source trees have a package."""

@@ -47,7 +47,7 @@ _FILTER = re.compile(r"message_filters::Subscriber<\s*([\w:]+)")
 _ALIAS = re.compile(r"\busing\s+(\w+)\s*=\s*([^;]+);|\btypedef\s+([^;]+?)\s+(\w+)\s*;")
 _NAMED = re.compile(r"\b(\w+)::\1\([^{};]*?\)\s*:\s*(?:\w+::)*\w+\(\s*\"(\w+)\"")
 """A constructor that gives a name to its base class, a node."""
-_GIVEN = re.compile(r"[(,]\s*\*?(?:this|shared_from_this\(\)|weak_from_this\(\)|get_node\(\))\s*(?=[,)])")
+_GIVEN = re.compile(r"[({,]\s*\*?(?:this|shared_from_this\(\)|weak_from_this\(\)|get_node\(\))\s*(?=[,)}])")
 """A node as an argument of a call."""
 _HARMLESS = frozenset(
     {"TransformBroadcaster", "TransformListener", "StaticTransformBroadcaster", "MessageFilter", "Subscriber", "bind"}

@@ -40,6 +40,7 @@ _HARMLESS = frozenset(
     | {"StaticTransformBroadcaster", "spin", "spin_once", "spin_until_future_complete", "hasattr", "getattr", "setattr"}
     | {"isinstance", "type", "id", "repr", "add_node", "Thread", "SingleThreadedExecutor", "MultiThreadedExecutor"}
 )
+_DECLARING = frozenset({"self.declare_parameter", "self.declare_parameters"})
 _OPEN = frozenset({"automatically_declare_parameters_from_overrides", "allow_undeclared_parameters"})
 _TYPES: Mapping[type, str] = {bool: "bool", int: "integer", float: "double", str: "string"}
 _OF_TYPE = re.compile(r"^(?:PARAMETER_)?(BOOL|INTEGER|DOUBLE|STRING)(_ARRAY)?$")
@@ -140,15 +141,18 @@ class _Module:
         # What a variable gets from a parameter, and what it is assigned once.
         links: dict[str, str] = {}
         values = dict(self._constants)
+        functions: dict[str, str] = {}
         for part in ast.walk(node):
             if isinstance(part, ast.Assign) and len(part.targets) == 1:
                 target = _dotted(part.targets[0])
                 if not target or target.startswith("."):
                     continue  # an item of a list, or a part of one
                 values[target] = part.value
+                if (function := _dotted(part.value)) in _DECLARING:
+                    functions[target] = function
                 if read := _read_parameter(part.value):
                     links[target] = read
-        reader = _Reader(facts, values, links, self._type)
+        reader = _Reader(facts, values, links, functions, self._type)
         for part in ast.walk(node):
             if isinstance(part, ast.Call):
                 reader.call(part)
@@ -167,13 +171,21 @@ class _Reader:
     """Reader of the calls in a node class."""
 
     def __init__(
-        self, facts: ClassFacts, values: Mapping[str, ast.expr], links: Mapping[str, str], type_of: Any
+        self,
+        facts: ClassFacts,
+        values: Mapping[str, ast.expr],
+        links: Mapping[str, str],
+        functions: Mapping[str, str],
+        type_of: Any,
     ) -> None:
+        """``functions`` are those of the node that variables stand for, as in ``p = self.declare_parameter``."""
         self._facts, self._values, self._links, self._type_of = facts, values, links, type_of
+        self._functions = functions
 
     def call(self, call: ast.Call) -> None:
         """Note what a call declares."""
-        function, owner = _short(call.func), _dotted(call.func).rpartition(".")[0]
+        called = self._functions.get(_dotted(call.func), _dotted(call.func))
+        owner, _, function = called.rpartition(".")
         options = {keyword.arg: keyword.value for keyword in call.keywords if keyword.arg}
         if function == "__init__" and owner == "super()" and call.args:
             self._facts.default_name = self._facts.default_name or self._text(call.args[0])
@@ -186,7 +198,9 @@ class _Reader:
             self._declare_all(call.args, options)
         elif function in _ENDPOINTS and (owner == "self" or _is_self(call.args[:1])):
             self._endpoint(*_ENDPOINTS[function], call, options)
-        elif function not in _HARMLESS and _is_self([*call.args, *options.values()]):
+        elif function not in _HARMLESS and any(
+            _dotted(given) in ("self", *_DECLARING) for given in (*call.args, *options.values())
+        ):
             self._facts.is_partial = True  # another object gets the node, and may declare more
 
     def _declare_all(self, arguments: list[ast.expr], options: Mapping[str, ast.expr]) -> None:

@@ -9,12 +9,12 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from check_launch.catalogue.facts import Catalogue, Source
+from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.source_trees import source_folders
 from check_launch.extraction.assembling import Assembler, Checkout
 from check_launch.extraction.git_sources import SUFFIXES
@@ -28,17 +28,23 @@ WORKSPACE_SOURCE = "workspace"
 """Source of the packages of a workspace, in `Package.source`."""
 
 
-def with_workspace(catalogue: Catalogue, folders: Mapping[str, Path], file: Path | None = None) -> Catalogue:
-    """Return a catalogue that has also the packages in some folders, by their names.
+def with_workspace(catalogue: Catalogue, packages: Packages, file: Path | None = None) -> Catalogue:
+    """Return a catalogue that has also the packages of source trees.
 
-    ``file`` keeps the facts; without it, the user's cache does. Raises `SetupError` if the file cannot be written.
+    What a package has of which there are several versions is not known. ``file`` keeps the facts; without it, the
+    user's cache does. Raises `SetupError` if the file cannot be written.
     """
-    if not folders:
+    if not (folders := packages.folders):
         return catalogue
     kept = _KeptFacts(Path(os.path.commonpath(list(folders.values()))), file)
     checkout = Checkout(WORKSPACE_SOURCE, Path(), Source(WORKSPACE_SOURCE, "", ""), folders, is_supplemented=False)
     own = Assembler([checkout], read_supplement(), kept.read).catalogue(catalogue.distribution, {})
     kept.save()
+    several = {
+        name: replace(package, executables={}, components=(), is_partial=True)
+        for name, package in own.packages.items()
+        if len(packages.copies[name]) > 1
+    }
     names = {plugin.class_name for plugin in own.plugins.values()}
     names |= {
         name for package in own.packages.values() for name in (*package.executables.values(), *package.components)
@@ -46,7 +52,7 @@ def with_workspace(catalogue: Catalogue, folders: Mapping[str, Path], file: Path
     return replace(
         catalogue,
         sources={**catalogue.sources, **own.sources},
-        packages={**catalogue.packages, **own.packages},
+        packages={**catalogue.packages, **own.packages, **several},
         # Not the classes that the supplement names, and that this workspace does not have.
         classes={**catalogue.classes, **{name: facts for name, facts in own.classes.items() if name in names}},
         plugins={**catalogue.plugins, **own.plugins},

@@ -22,10 +22,12 @@ from check_launch.misspellings import did_you_mean, misspelt
 from check_launch.rules.frame_findings import frame_findings
 from check_launch.rules.launch_rules import (
     MisplacedParameter,
+    MissingFile,
     MisspeltPackage,
     NotExpanded,
     TopicFromOutside,
     UndeclaredArgument,
+    UnknownAction,
     UnknownParameter,
     UnreadableLaunchFile,
     as_hint,
@@ -207,7 +209,8 @@ class Checker:
             elif package in expansion.skipped:
                 message = f"the launch files of '{package}' are not here; what they start is not checked"
                 yield NotExpanded.at(place, message)
-        yield from system.findings
+        refused = {finding.span for finding in expansion.findings if finding.rule is UnknownAction}
+        yield from (finding for finding in system.findings if finding.span not in refused)
         yield from parameter_findings(system, variants)
         yield from node_findings(system)
         # Programs of this project may run beside the launch files of this project, not beside those of others.
@@ -261,7 +264,9 @@ def _once(findings: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
             family in ("PAR", "PAR103", "TOP101") or finding.rule is TopicFromOutside
         )  # whatever the names of the nodes are
         text = "" if is_one else finding.message.partition(" (with ")[0]
-        key = (family, finding.span, text) if finding.span.line else (family, finding.span, finding.message)
+        # A file that is missing for many nodes is missed once.
+        place = finding.span.file if finding.rule is MissingFile else finding.span
+        key = (family, place, text) if finding.span.line else (family, place, finding.message)
         if key not in seen:
             seen.add(key)
             yield finding

@@ -25,7 +25,10 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool) -> Iterator[Diagnostic]:
             publishers.setdefault(child, []).append((parent, node))
             frames |= {parent, child}
     for child, ends in sorted(publishers.items()):
-        (parent, first), *others = {id(node): (parent, node) for parent, node in ends}.values()
+        # An action in several handlers of events stands for one node.
+        (parent, first), *others = {
+            (node.started.place, node.full_name): (parent, node) for parent, node in ends
+        }.values()
         for other_parent, other in others:
             yield FramePublishedTwice.at(
                 other.started.place,

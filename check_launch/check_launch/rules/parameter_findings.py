@@ -44,6 +44,8 @@ _MOST_UNKNOWN = 200
 """Unknown parameters of a node that are reported one by one: each search for the likely name takes milliseconds."""
 _SAME_PART, _SAME_NAME = 0.84, 0.85
 """Similarities from which the last part of a name, or a whole name, is likely a misspelling of another one."""
+_MOST_PLACES = 3
+"""Places of a parameter in advice; a name that stands at more of them, such as ``frame_id``, tells nothing."""
 _SHORT = 8
 """Names with fewer letters may begin as another one without being meant for it."""
 _SPELLED = {
@@ -156,7 +158,7 @@ def _of_group(group: str, listed: str, inside: list[GivenValue], view: Parameter
 
 def _unknown(given: GivenValue, shown: str, view: ParameterView, system: System | None) -> Diagnostic:
     at = given.place
-    known = list(view.exact)
+    known = [name for name in view.exact if name not in view.given]
     message = f"{shown} has no parameter '{given.name}'"
     for shared in view.facts.shared:
         renamed = view.catalogue.sets[shared.set].renamed
@@ -171,15 +173,23 @@ def _unknown(given: GivenValue, shown: str, view: ParameterView, system: System 
     last = given.name.rpartition(".")[2]
     new = stated_facts().new_last_part(given.name)
     elsewhere = [name for name in known if name.rpartition(".")[2] in (last, new)]
+    if len(elsewhere) > _MOST_PLACES:
+        return UnknownParameter.at(at, message)
     if elsewhere:
         places = _listed(elsewhere)
         return MisplacedParameter.at(at, f"'{given.name}' has no effect here in {shown}", f"it belongs to {places}")
-    others = [
-        other.name
-        for other in (system.nodes if system else ())
-        if other.view is not None and other.view is not view and other.view.known(given.name) is not None
-    ]
-    if others:
+    others: list[str] = []
+    for other in system.nodes if system else ():
+        if other.view is None or other.view is view or other.view.known(given.name) is None:
+            continue
+        if other.view.facts is view.facts:  # another costmap, which loads the plugin with the parameter
+            plugin = next((one for one in other.view.plugins if given.name.startswith(f"{one.name}.")), None)
+            if plugin is not None:
+                text = f"{shown} does not load '{plugin.name}', so that '{given.name}' has no effect"
+                return MisplacedParameter.at(at, text, f"add it to '{plugin.slot.parameter}', or remove it")
+        others.append(other.name)
+    users = sum(given.name in facts.parameters for facts in view.catalogue.classes.values())
+    if others and users <= _MOST_PLACES:
         return MisplacedParameter.at(at, message, f"it belongs to {_listed(others)}")
     lasts = {name.rpartition(".")[2] for name in known}
     near_last = nearest(last, sorted(one for one in lasts if not is_other_axis(last, one)), _SAME_PART)
@@ -201,7 +211,7 @@ def _nearest_parameters(name: str, known: list[str]) -> list[str]:
 
 def _listed(names: Iterable[str]) -> str:
     found = list(dict.fromkeys(names))
-    return " or ".join(f"'{name}'" for name in found[:3])
+    return " or ".join(f"'{name}'" for name in found[:_MOST_PLACES])
 
 
 def _wrong_value(given: GivenValue, parameter: Parameter) -> Iterator[Diagnostic]:

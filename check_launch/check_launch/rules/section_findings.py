@@ -56,7 +56,9 @@ class Sections:
             read = {(section.pattern, section.place) for _, section in node.sections}
             for use in node.started.files:
                 for section in use.sections:
-                    key = (use.shown, section.pattern, section.place)
+                    # A file that the launch file writes has its sections at the places of the nodes that get it.
+                    is_written = use.shown == node.started.place.file
+                    key = (use.shown, section.pattern, Span(use.shown) if is_written else section.place)
                     loaded = self._loaded.setdefault(key, _Loaded(section))
                     loaded.nodes.setdefault((node.started.place, node.full_name), node)
                     if section.node_name == "**" and node.facts and self._fits(section.values, node.facts) < _ENOUGH:
@@ -89,14 +91,16 @@ class Sections:
             return
         message = f"no node that gets this file has the name '{name}'"
         # A node that gets the file and reads nothing of it: the section was meant for it.
-        starved = [
-            node.name
+        is_alone = len(nodes) == 1 and self._count(shown) == 1
+        starved = {
+            node.name: self._fits(section.values, node.facts) if node.facts is not None else 1.0
             for node in nodes
             if (node.started.place, node.full_name, shown) not in self._reading
-            and self._is_meant(section, node, is_alone=len(nodes) == 1 and self._count(shown) == 1)
-        ]
+            and self._is_meant(section, node, is_alone)
+        }
         if starved:
-            yield SectionWithoutNode.at(at, message, did_you_mean(list(dict.fromkeys(starved))[:3]))
+            best = [name for name, share in starved.items() if share == max(starved.values())]
+            yield SectionWithoutNode.at(at, message, did_you_mean(best[:3]))
             return
         near = sorted({node.name for node in nodes if is_misspelling(name, node.name)})
         if near and name not in self._classes:
@@ -110,7 +114,7 @@ class Sections:
 
     def _is_meant(self, section: Section, node: RunningNode, is_alone: bool) -> bool:
         """Return true if a section was meant for a node that gets the file; ``is_alone`` if both are the only ones."""
-        if node.facts is None:
+        if node.facts is None or node.facts.is_partial:  # perhaps it has any parameter
             return is_alone and section.node_name not in self._classes
         usual = self._classes.get(section.node_name)
         if usual is not None and usual.name == node.facts.name:

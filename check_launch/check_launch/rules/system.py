@@ -241,9 +241,13 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System, dependenc
         return None
     if started.plugin:
         return _component(started.plugin, known, catalogue, system, at)
-    if executable is None or executable not in known.executables:
+    if not executable:
+        system.findings.append(UnknownExecutable.at(at, "the launch file names no executable for this node"))
+        system.has_unknown = True
+        return None
+    if executable not in known.executables:
         names = ", ".join(known.executables) or "none"
-        help = did_you_mean(nearest(executable or "", known.executables), f"executables of {package}: {names}")
+        help = did_you_mean(nearest(executable, known.executables), f"executables of {package}: {names}")
         system.findings.append(
             UnknownExecutable.at(at, f"the package '{package}' has no executable '{executable}'", help)
         )
