@@ -44,7 +44,8 @@ def run(arguments: argparse.Namespace) -> int:
     from roverlink.generator.emit.targets.ros2 import PROTOBUF
 
     project: Path = project_folder(arguments.project)
-    package = load_project(project).package
+    registry = load_project(project)
+    package = registry.package
     text = render(
         f"deploy/{arguments.kind}.j2",
         package=package,
@@ -53,6 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
         prefix=_PREFIX,
         program=f"{_PREFIX}/{package}/lib/{package}/{package}_node",
         requirement=PROTOBUF,
+        serial=any(end.host.startswith("serial:") for peer in registry.peers for end in (peer, *peer.boards)),
+        keys=[f"{peer.name}.keys" for peer in registry.peers if peer.must_sign],
         source=git_source("roverlink") or "SOURCE",
     )
     print(text, end="")

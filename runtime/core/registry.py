@@ -110,7 +110,7 @@ class Registry:
     """All handlers of a table, with the class of the envelope that carries their payloads."""
 
     package: str
-    """Import name of the package with the generated code."""
+    """Name of the ROS 2 package."""
     envelope: type[ProtoMessage]
     oneof: str
     """Name of the envelope's oneof that contains the payload."""

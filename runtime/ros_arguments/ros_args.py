@@ -38,6 +38,8 @@ class RosArguments:
     parameters: dict[str, Any] = field(default_factory=dict)
     shared_parameters: set[str] = field(default_factory=set)
     """Names of the parameters that only a section for several nodes of a parameter file sets, such as ``/**``."""
+    unaddressed_parameters: set[str] = field(default_factory=set)
+    """Names of the parameters that ``-p`` sets without the name of a node."""
     log_level: str = "info"
     logs_to_console: bool = True
     logs_to_rosout: bool = True
@@ -45,17 +47,24 @@ class RosArguments:
     """Pairs of names: the topic with the first one gets the second one."""
 
     def parameters_in(self, declared: Collection[str], logger: logging.Logger) -> dict[str, Any]:
-        """Return the parameters without those that a section for several nodes sets and this node does not declare.
+        """Return the parameters without those that are for several nodes, and that this node does not declare.
 
         As in ROS 2, such a parameter belongs to another node. It is logged with the level debug, or as a warning if its
         name looks like a misspelt name of this node.
+
+        SetParameter of a launch file gives each of its nodes a ``-p`` without a node's name. Such a parameter is also
+        left out, with a warning, unless its name looks misspelt: then it was typed for this node.
         """
-        foreign = [name for name in self.parameters if name in self.shared_parameters and name not in declared]
-        for name in foreign:
-            hint = nearest(name, declared, "")
-            text = f"ignored the parameter {name!r}, which a parameter file sets for several nodes"
-            logger.log(logging.WARNING if hint else logging.DEBUG, "%s", f"{text}; {hint}" if hint else text)
-        return {name: value for name, value in self.parameters.items() if name not in foreign}
+        values = dict(self.parameters)
+        for name in (self.shared_parameters | self.unaddressed_parameters).difference(declared):
+            hint, typed = nearest(name, declared, ""), name in self.unaddressed_parameters
+            if typed and hint:
+                continue
+            del values[name]
+            source = "this node does not have" if typed else "a parameter file sets for several nodes"
+            text = f"ignored the parameter {name!r}, which {source}"
+            logger.log(logging.WARNING if typed or hint else logging.DEBUG, "%s", f"{text}; {hint}" if hint else text)
+        return values
 
     def topic(self, name: str) -> str:
         """Return the fully qualified name of a topic after remapping. As in rcl, the first matching rule decides."""
@@ -96,7 +105,7 @@ def parse(arguments: list[str], default_name: str) -> RosArguments:
     for option, value in options:
         if option == "params-file":
             for pattern, found in _read_params_file(Path(value), parsed.node):
-                _set_parameters(parsed, found, shared="*" in pattern.rpartition("/")[2])
+                _set_parameters(parsed, found, parsed.shared_parameters if "*" in pattern.rpartition("/")[2] else None)
         elif option == "parameter":
             _set_parameter(parsed, value)
         elif option == "remap":
@@ -180,17 +189,21 @@ def _set_parameter(parsed: RosArguments, text: str) -> None:
     if node not in ("", parsed.node.name):
         return
     try:
-        _set_parameters(parsed, {name: strict_yaml.load(value)}, shared=False)
+        _set_parameters(parsed, {name: strict_yaml.load(value)}, None if node else parsed.unaddressed_parameters)
     except strict_yaml.YamlTextError as error:
         raise SetupError(f"the value of the parameter {name}: {error}") from error
 
 
-def _set_parameters(parsed: RosArguments, values: Mapping[str, Any], *, shared: bool) -> None:
-    if shared:
-        parsed.shared_parameters.update(values.keys() - parsed.parameters.keys())
-    else:
-        parsed.shared_parameters.difference_update(values)
-    parsed.parameters.update(values)
+def _set_parameters(parsed: RosArguments, values: Mapping[str, Any], for_several: set[str] | None) -> None:
+    """Set parameters, and add their names to ``for_several``, unless something that is for this node sets them, too."""
+    for name, value in values.items():
+        names = (parsed.shared_parameters, parsed.unaddressed_parameters)
+        if for_several is None:
+            for several in names:
+                several.discard(name)
+        elif name not in parsed.parameters or any(name in several for several in names):
+            for_several.add(name)
+        parsed.parameters[name] = value
 
 
 def _add_remap(parsed: RosArguments, text: str) -> None:

@@ -11,7 +11,7 @@ from roverlink.generator.ir.msg_types import msg_type
 from roverlink.generator.node_parameters import node_parameters
 
 _LAUNCH_ARGUMENTS = {
-    "middleware": ("auto", "auto (rclpy if it can be imported, otherwise dds), dds, rclpy or memory"),
+    "middleware": ("auto", "auto, dds, rclpy, zenoh or memory; `roverlink run --help` explains them"),
     "namespace": ("", "ROS 2 namespace of the node and its topics"),
     "log_level": ("info", "debug, info, warn, error or fatal"),
 }
@@ -26,8 +26,10 @@ The parameters with the addresses of peers and boards are also arguments; their 
 
 VENDOR = "vendor"
 """Folder of the package with the runtime and the generated Python code, if the table or an option asks for it."""
-NEEDS = {"python3-protobuf": "3.20", "python3-yaml": "6.0"}
+NEEDS = {"python3-protobuf": "3.20", "python3-yaml": "5.4"}
 """Oldest versions of the packages that the runtime and the generated code need, by rosdep's keys."""
+_NEEDS_OF_SERIAL = {"python3-serial": "3.5"}
+"""What the runtime needs, too, if an end of the table is at a serial line."""
 PROTOBUF = f"protobuf>={NEEDS['python3-protobuf']},<8"
 """Requirement for pip of the first of these packages, of which Ubuntu 22.04 has an older version."""
 
@@ -68,7 +70,7 @@ def emit(bridge: ir.Bridge) -> Files:
             address=address.rstrip(">"),
             version=bridge.version,
             license=bridge.license,
-            needs=NEEDS,
+            needs=NEEDS | (_NEEDS_OF_SERIAL if _has_serial_line(bridge) else {}),
             others=others,
             spoken=sorted({interface.package for interface in bridge.interfaces} - {*others}),
         ),
@@ -85,6 +87,7 @@ def emit(bridge: ir.Bridge) -> Files:
                 package=bridge.package,
                 arguments=_LAUNCH_ARGUMENTS,
                 params_file=_PARAMS_FILE,
+                keys=_keys(bridge),
                 addresses=_addresses(bridge),
             ),
         )
@@ -104,6 +107,16 @@ def _parameters(bridge: ir.Bridge) -> dict[str, dict[str, Any]]:
     if bridge.link is None:
         return {name: parameter for name, parameter in declared.items() if not parameter.get("of_link")}
     return declared | {"link_policy": {**declared["link_policy"], "default": bridge.link.on_mismatch}}
+
+
+def _has_serial_line(bridge: ir.Bridge) -> bool:
+    return any(host.startswith("serial:") for peer in bridge.peers for end in peer.ends for host in end.host.split(","))
+
+
+def _keys(bridge: ir.Bridge) -> dict[str, str]:
+    """Return the description of each launch argument that names a key file, without which the bridge cannot start."""
+    file = "file with the keys of {0}, which `roverlink link keygen {0}` makes"
+    return {f"{peer.name}_keys": file.format(peer.name) for peer in bridge.peers if peer.must_sign}
 
 
 def _addresses(bridge: ir.Bridge) -> dict[str, str]:

@@ -20,7 +20,7 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 "middleware",
                 default_value="auto",
-                description="auto (rclpy if it can be imported, otherwise dds), dds, rclpy or memory",
+                description="auto, dds, rclpy, zenoh or memory; `roverlink run --help` explains them",
             ),
             DeclareLaunchArgument(
                 "namespace",
