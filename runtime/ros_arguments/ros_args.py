@@ -56,7 +56,7 @@ class RosArguments:
         left out, with a warning, unless its name looks misspelt: then it was typed for this node.
         """
         values = dict(self.parameters)
-        for name in (self.shared_parameters | self.unaddressed_parameters).difference(declared):
+        for name in sorted((self.shared_parameters | self.unaddressed_parameters).difference(declared)):
             hint, typed = nearest(name, declared, ""), name in self.unaddressed_parameters
             if typed and hint:
                 continue
