@@ -17,6 +17,7 @@ _WORD = re.compile(r'"([^"]*)"|([^\s"]+)')
 _ENTRY_POINT = re.compile(r"^\s*([\w.-]+)\s*=\s*([\w.]+):[\w.]+\s*$", re.MULTILINE)
 _OPEN = frozenset({"foreach", "macro", "function", "while"})
 """Commands of CMake whose executables may have other names than the text says."""
+_BUILDING = frozenset({"add_executable", "ament_auto_add_executable", "ament_add_gtest_executable", "ament_add_gtest"})
 _MAIN = re.compile(r"\bmain\s*\(")
 _MADE = re.compile(r"(?:make_shared|make_unique)\s*<\s*([\w:]+)")
 
@@ -86,7 +87,7 @@ class _Build:
                 variables[words[0]] = words[1]
             elif function == "project" and words:
                 variables["PROJECT_NAME"] = words[0]
-            elif function in ("add_executable", "ament_auto_add_executable") and "IMPORTED" not in words and words:
+            elif function in _BUILDING and "IMPORTED" not in words and words:
                 self.programs[words[0]] = BuiltProgram(words[0], self._class_of(path.parent, words[1:]))
             elif function == "set_target_properties" and "OUTPUT_NAME" in words:
                 self.names[words[0]] = words[words.index("OUTPUT_NAME") + 1]
