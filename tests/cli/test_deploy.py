@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import shutil
 import socket
 import subprocess
@@ -14,16 +15,31 @@ import pytest
 import yaml
 from polling import wait_until
 from programs import Start
+from signed_project import make_signed_project
 
+from roverlink.__main__ import main
 from roverlink.runtime.bridge import service_manager
 
 Printed = Callable[[str], str]
 
 
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The sample rover, but its basestation must sign, and its boards are at a serial line."""
+    table = make_signed_project(tmp_path_factory.mktemp("deploy") / "rover")
+    text = table.read_text(encoding="utf-8")
+    assert "\n  hardware:\n" in text
+    table.write_text(
+        text.replace("\n  hardware:\n", "\n  hardware:\n    host: serial:/dev/ttyACM0\n"), encoding="utf-8"
+    )
+    assert main(["generate", "--table", str(table)]) == 0
+    return table.parent
+
+
 @pytest.fixture
-def printed(done: Start) -> Printed:
-    """Returns what `roverlink deploy --print` prints for the sample rover."""
-    return lambda kind: str(done("deploy", "--print", kind)[1]) + "\n"
+def printed(done: Start, project: Path) -> Printed:
+    """Returns what `roverlink deploy --print` prints for the project."""
+    return lambda kind: str(done("deploy", "--project", project, "--print", kind)[1]) + "\n"
 
 
 @pytest.fixture
@@ -38,9 +54,11 @@ def notified(tmp_path: Path, environment: dict[str, str], monkeypatch: pytest.Mo
 
 @pytest.mark.slow
 def test_the_files_for_containers_are_what_their_readers_take(printed: Printed) -> None:
-    """They are YAML and JSON, and start what is there."""
-    compose = yaml.safe_load(printed("compose"))
-    assert compose["services"]["bridge"]["network_mode"] == "host"
+    """They are YAML and JSON, start what is there, and give it the keys and the devices of the table."""
+    service = yaml.safe_load(printed("compose"))["services"]["bridge"]
+    assert service["network_mode"] == "host"
+    assert service["command"][-2:] == ["--key-file", "keys/basestation.keys"]
+    assert {"./keys:/home/rover/keys", "/dev:/dev"} < {*service["volumes"]}
     lines = printed("devcontainer").splitlines()
     assert lines[0].startswith("//")
     assert json.loads("".join(line for line in lines if not line.startswith("//")))["image"] == "ros:humble"
@@ -53,10 +71,11 @@ def test_the_files_for_containers_are_what_their_readers_take(printed: Printed) 
     [
         ("systemd", "comms.service", "systemd-analyze verify --man=no"),
         ("dockerfile", "Dockerfile", "hadolint --failure-threshold warning --no-color"),
+        ("compose", "compose.yaml", "check-jsonschema --builtin-schema vendor.compose-spec --output-format text"),
     ],
 )
 def test_judges_find_nothing(printed: Printed, tmp_path: Path, kind: str, name: str, judge: str) -> None:
-    """Systemd verifies the unit, and hadolint the Dockerfile."""
+    """Systemd verifies the unit, hadolint the Dockerfile, and the schema of Compose its file."""
     tool, *options = judge.split()
     found = shutil.which(tool) or shutil.which(tool, path=Path(sys.executable).parent)
     if found is None:
@@ -65,6 +84,28 @@ def test_judges_find_nothing(printed: Printed, tmp_path: Path, kind: str, name: 
     done = subprocess.run([found, *options, tmp_path / name], capture_output=True, text=True)
     told = [line for line in (done.stdout + done.stderr).splitlines() if name in line and " info: " not in line]
     assert told == []
+
+
+@pytest.mark.slow
+def test_the_unit_starts_a_bridge_that_must_sign(printed: Printed, project: Path, start: Start, tmp_path: Path) -> None:
+    """With the keys where the unit's first lines put them, its options start the bridge, and so do the launch files."""
+    unit = printed("systemd").replace("/var/lib/comms", str(tmp_path))
+    (installed,) = (line.split()[-2:] for line in unit.splitlines() if line.startswith("#   sudo install -D"))
+    assert main(["link", "keygen", "basestation", "--out", installed[1]]) == 0
+    (tmp_path / "recordings").mkdir()
+    _, _, options = unit.replace("\\\n", "").partition("/comms_node ")
+    words = shlex.split(options.partition("--ros-args")[0])
+    bridge = start("run", "--project", project, "--middleware", "memory", *words, "--ros-args", "-p", "listen_port:=0")
+    bridge.wait_for("bridges 21 messages")
+    package = project / "generated" / "ros" / "comms"
+    (node,) = (
+        action["node"]
+        for action in yaml.safe_load((package / "launch" / "comms_launch.yaml").read_text())["launch"][-1]["group"]
+        if "node" in action
+    )
+    assert node["args"] == "--middleware $(var middleware) --key-file $(var basestation_keys)"
+    assert '"--key-file",' in (package / "launch" / "comms.launch.py").read_text()
+    assert "python3-serial</exec_depend>" in (package / "package.xml").read_text()
 
 
 @pytest.mark.slow
