@@ -14,7 +14,8 @@ import argparse
 import logging
 import math
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -24,6 +25,7 @@ import numpy as np
 from roverkit.driving.geodesy import Datum
 from roverkit.fusion.field_graph import FieldGraph
 from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY, TRANSFORM
+from roverkit.fusion.gtsam_library import is_unsolvable
 from roverkit.fusion.odometry_track import KEPT_NS, PLANAR, OdometryPoint, OdometryTrack, UnknownCovariance, point_of
 from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, is_covariance
 from roverkit.fusion.planar_landmarks import planar_detections, surveyed_places
@@ -107,11 +109,25 @@ class Fusion:
 
     def _start(self) -> None:
         self._track = OdometryTrack()
-        self._graph = FieldGraph(surveyed_places(self._landmarks), self.reasons)
-        self._moved: Mapping[TargetId, float] = {}
+        self._forget_pose()
         self._covariance: list[float] = []
         self._without_covariance: UnknownCovariance | None = None
         self._waiting: list[tuple[int, Callable[[OdometryPoint], None]]] = []
+
+    def _forget_pose(self) -> None:
+        self._graph = FieldGraph(surveyed_places(self._landmarks), self.reasons)
+        self._moved: Mapping[TargetId, float] = {}
+
+    @contextmanager
+    def _solving(self) -> Iterator[None]:
+        """Begin again without a pose if the graph cannot be solved."""
+        try:
+            yield
+        except RuntimeError as error:
+            if not is_unsolvable(error):
+                raise
+            self.reasons.tell("no pose follows from the inputs, which contradict each other; beginning again")
+            self._forget_pose()
 
     def tick(self) -> None:
         """Look whether odometry comes, without which there is no pose, and publish the reasons."""
@@ -139,10 +155,11 @@ class Fusion:
                     self._start()
                     self._track.add(point)
                 self._catch_up(point.stamp)
-                if (past := self._track.at(point.stamp - _LATEST_NS)) is not None:
-                    self._graph.follow(past)
-                if (newest := self._track.newest) is not None and newest is not before:
-                    self._publish(newest, message)
+                with self._solving():
+                    if (past := self._track.at(point.stamp - _LATEST_NS)) is not None:
+                        self._graph.follow(past)
+                    if (newest := self._track.newest) is not None and newest is not before:
+                        self._publish(newest, message)
 
     def _take_detections(self, messages: Sequence[bytes], mount: Pose | None) -> None:
         with self._lock:
@@ -233,7 +250,8 @@ class Fusion:
         while self._waiting and self._waiting[0][0] <= now:
             stamp, use = self._waiting.pop(0)
             if (point := self._track.at(stamp)) is not None:
-                use(point)
+                with self._solving():
+                    use(point)
         self._tell_moved()
 
     # --- outputs ---

@@ -14,7 +14,12 @@ try:
 except ImportError as error:
     raise SetupError(f"the fusion needs GTSAM ({error}); install it with `pip install '{_PACKAGE}'`") from error
 
-__all__ = ["gtsam"]
+__all__ = ["gtsam", "is_unsolvable"]
 
 gtsam: Any = _gtsam
 """GTSAM. Its own types differ from version to version, and not all of them are right."""
+
+
+def is_unsolvable(error: RuntimeError) -> bool:
+    """Return true if GTSAM could not solve a graph, because its inputs contradict each other or do not suffice."""
+    return "linear system" in str(error)  # of an IndeterminantLinearSystemException, which Python gets as its text only

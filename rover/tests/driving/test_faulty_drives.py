@@ -206,6 +206,10 @@ _FAULTS = {
 }
 
 
+_UNSOLVABLE = 516
+"""Drive with an IMU upside down, in which GTSAM cannot solve the graph."""
+
+
 def _longest_wrong(fault: _Fault, seed: int, logger: logging.Logger) -> tuple[float, list[str]]:
     """Drive with a fault; return the longest time in seconds for which the pose was wrong, and what was said."""
     rng, wrong, longest = random.Random(seed), 0.0, 0.0  # noqa: S311  # repeatable, not secret
@@ -253,9 +257,11 @@ def test_the_page_about_missing_poses_quotes_the_log() -> None:
 @pytest.mark.parametrize(
     ("name", "seed"),
     [
-        pytest.param(name, number + 100 * drive, marks=pytest.mark.exhaustive if drive else pytest.mark.slow)
+        pytest.param(
+            name, seed, marks=pytest.mark.slow if seed < 100 or seed == _UNSOLVABLE else pytest.mark.exhaustive
+        )
         for number, name in enumerate(_FAULTS)
-        for drive in range(10)
+        for seed in range(number, 1000, 100)
     ],
 )
 def test_a_wrong_pose_has_a_warning(name: str, seed: int, caplog: pytest.LogCaptureFixture) -> None:
