@@ -11,11 +11,14 @@ import os
 import socket
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
+
+from polling import wait_until
 
 T = TypeVar("T")
 
@@ -36,9 +39,9 @@ def why_not() -> str:
     return "" if made.returncode == 0 else f"need network namespaces ({made.stderr.decode().strip()})"
 
 
-def ip(*arguments: str) -> None:
-    """Change the network; raises where that fails."""
-    subprocess.run(["ip", *arguments], check=True, capture_output=True, text=True)
+def ip(*arguments: str) -> str:
+    """Change or show the network; raises where that fails."""
+    return subprocess.run(["ip", *arguments], check=True, capture_output=True, text=True).stdout
 
 
 def inside(namespace: str, make: Callable[[], T], hosts: Path | None = None) -> T:
@@ -108,6 +111,10 @@ class Network(ExitStack):
         return self
 
 
+def _is_forwarding(show: Sequence[str]) -> bool:
+    return "state forwarding" in ip(*show)
+
+
 class RoverNetwork(ExitStack):
     """A rover, three boards on a switch, and a basestation behind a radio; a router is between them."""
 
@@ -132,6 +139,9 @@ class RoverNetwork(ExitStack):
             ip("-n", self.router, "address", "add", f"{router}/24", "dev", port)
             ip("-n", end, "route", "add", "default", "via", router)
         inside(self.router, lambda: Path("/proc/sys/net/ipv4/ip_forward").write_text("1"))
+        for number in (21, 22, 23):  # the kernel drops frames until it has seen that the cable is there
+            show = ("-n", self.router, "-details", "link", "show", f"to{number}")
+            wait_until(partial(_is_forwarding, show), "a switch that passes frames")
         return self
 
     def move(self, board: str, number: int, to: int) -> None:
