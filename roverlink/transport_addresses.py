@@ -7,7 +7,7 @@ The text of a host names the transport: ``serial:/dev/ttyACM0?baud=921600``, ``t
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 from urllib.parse import parse_qsl
 
@@ -73,6 +73,11 @@ def names_transport(host: str) -> bool:
     """Return true if a host is the address of another transport than UDP, right or wrong."""
     kind, colon, _ = host.partition(":")
     return bool(colon) and kind in KINDS
+
+
+def on_serial_line(hosts: Iterable[str]) -> bool:
+    """Return true if one of some hosts is the address of a serial line."""
+    return any(host.startswith("serial:") for host in hosts)
 
 
 def largest_datagram(host: str) -> int:

@@ -17,6 +17,7 @@ from roverlink.console import OK, TABLE, Subparsers, add_project, documented_com
 from roverlink.generated_code import load_project
 from roverlink.generator.content_digest import text_at
 from roverlink.installed_packages import git_source
+from roverlink.transport_addresses import on_serial_line
 
 _PREFIX = "/opt/rover"
 """Folder into which colcon installs the package."""
@@ -54,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
         prefix=_PREFIX,
         program=f"{_PREFIX}/{package}/lib/{package}/{package}_node",
         requirement=PROTOBUF,
-        serial=any(end.host.startswith("serial:") for peer in registry.peers for end in (peer, *peer.boards)),
+        serial=on_serial_line(end.host for end in registry.ends.values()),
         keys=[f"{peer.name}.keys" for peer in registry.peers if peer.must_sign],
         source=git_source("roverlink") or "SOURCE",
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable
 from itertools import takewhile
 from typing import NamedTuple, Protocol
 
@@ -40,7 +40,7 @@ class ServedTopic(NamedTuple):
             self.callback(messages)
 
 
-def serve(topics: Sequence[ServedTopic], ready: Iterable[ServedTopic]) -> None:
+def serve(topics: Collection[ServedTopic], ready: Iterable[ServedTopic]) -> None:
     """Call the callback of each topic in ``ready`` once, with at most one batch of messages.
 
     ``topics`` are all subscribed topics, and ``ready`` are those that may have messages; both begin with the largest

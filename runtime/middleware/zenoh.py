@@ -358,11 +358,12 @@ class ZenohMiddleware(Middleware):
 
     def _take_once(self) -> Sequence[ZenohSubscription]:
         """Serve the topics that have messages now, and return them."""
-        topics, ready = self._topics, [*self._ready]
-        for subscription in ready:
+        topics, arrived = self._topics, [*self._ready]
+        for subscription in arrived:
             del self._ready[subscription]
-        served = [topics[subscription] for subscription in ready if subscription in topics]
-        serve([*topics.values()], sorted(served, key=lambda topic: topic.priority, reverse=True))
+        ready = [subscription for subscription in arrived if subscription in topics]  # the others are closed
+        served = sorted((topics[one] for one in ready), key=lambda topic: topic.priority, reverse=True)
+        serve(topics.values(), served)
         for subscription in ready:
             if subscription.waiting:
                 self._ready[subscription] = None

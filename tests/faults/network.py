@@ -11,7 +11,7 @@ import os
 import socket
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
@@ -111,10 +111,6 @@ class Network(ExitStack):
         return self
 
 
-def _is_forwarding(show: Sequence[str]) -> bool:
-    return "state forwarding" in ip(*show)
-
-
 class RoverNetwork(ExitStack):
     """A rover, three boards on a switch, and a basestation behind a radio; a router is between them."""
 
@@ -140,9 +136,11 @@ class RoverNetwork(ExitStack):
             ip("-n", end, "route", "add", "default", "via", router)
         inside(self.router, lambda: Path("/proc/sys/net/ipv4/ip_forward").write_text("1"))
         for number in (21, 22, 23):  # the kernel drops frames until it has seen that the cable is there
-            show = ("-n", self.router, "-details", "link", "show", f"to{number}")
-            wait_until(partial(_is_forwarding, show), "a switch that passes frames")
+            wait_until(partial(self._passes_frames, f"to{number}"), "a switch that passes frames")
         return self
+
+    def _passes_frames(self, port: str) -> bool:
+        return "state forwarding" in ip("-n", self.router, "-details", "link", "show", port)
 
     def move(self, board: str, number: int, to: int) -> None:
         """Give a board on the switch another address."""

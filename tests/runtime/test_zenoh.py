@@ -6,6 +6,7 @@ import json
 import logging
 import signal
 import struct
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
@@ -16,7 +17,7 @@ import numpy
 import pytest
 from bridge_rig import Rig, envelope
 from needs import NO_ZENOH, NO_ZENOH_JUDGES
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 from programs import Start
 
 from generated.messages import DrivingBoardMotorMessage, ImuSensorInformation
@@ -289,6 +290,23 @@ def test_a_slow_callback_holds_up_no_urgent_topic(
     assert order.index(("stop", 9)) < order.index(("image", 397))
     wait_until(lambda: exact_depth or "gave way to newer ones, on /image" in caplog.text, "the warning")
     assert exact_depth is not ("gave way" in caplog.text)
+
+
+def test_a_closed_subscription_leaves_the_thread_at_rest(join: Open) -> None:
+    """What still waits for it is dropped, and costs nothing from then on."""
+    begun, over = threading.Event(), threading.Event()
+    subscription: Any = join().subscribe("/imu_data", ImuSensorInformation, Qos(), lambda _: (begun.set(), over.wait()))
+    publisher = join("talker").publisher("/imu_data", ImuSensorInformation, Qos())
+    wait_until(publisher.has_subscribers, "the subscription")
+    publisher.publish(_numbered(1))
+    assert begun.wait(PATIENCE_S)
+    publisher.publish(_numbered(2))
+    wait_until(lambda: subscription.waiting, "a message that waits")
+    subscription.close()
+    over.set()
+    used = time.process_time()
+    time.sleep(0.3)  # the CPU time of a while is what is judged
+    assert time.process_time() - used < 0.2
 
 
 def test_a_node_that_has_left_accepts_nothing(join: Open) -> None:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 from roverlink.generator import ir
 from roverlink.generator.emit.render import Files, header, render, shipped
 from roverlink.generator.nanopb import as_options, options_file_of
+from roverlink.transport_addresses import on_serial_line
 
 
 def emit(bridge: ir.Bridge) -> Files:
@@ -38,7 +39,7 @@ def emit(bridge: ir.Bridge) -> Files:
             ),
         )
     parts = {
-        "framing": any(end.host.startswith("serial:") for peer in bridge.peers for end in peer.ends),
+        "framing": on_serial_line(end.host for peer in bridge.peers for end in peer.ends),
         "signing": bridge.envelope.signature is not None,
     }
     for part in (part for part, is_used in parts.items() if is_used):

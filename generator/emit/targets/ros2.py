@@ -9,6 +9,7 @@ from roverlink.generator import ir
 from roverlink.generator.emit.render import Files, header, render
 from roverlink.generator.ir.msg_types import msg_type
 from roverlink.generator.node_parameters import node_parameters
+from roverlink.transport_addresses import on_serial_line
 
 _LAUNCH_ARGUMENTS = {
     "middleware": ("auto", "auto, dds, rclpy, zenoh or memory; `roverlink run --help` explains them"),
@@ -29,7 +30,7 @@ VENDOR = "vendor"
 NEEDS = {"python3-protobuf": "3.20", "python3-yaml": "5.4"}
 """Oldest versions of the packages that the runtime and the generated code need, by rosdep's keys."""
 _NEEDS_OF_SERIAL = {"python3-serial": "3.5"}
-"""What the runtime needs, too, if an end of the table is at a serial line."""
+"""Package that the runtime needs, too, if an end of the table is at a serial line."""
 PROTOBUF = f"protobuf>={NEEDS['python3-protobuf']},<8"
 """Requirement for pip of the first of these packages, of which Ubuntu 22.04 has an older version."""
 
@@ -59,6 +60,7 @@ def emit(bridge: ir.Bridge) -> Files:
         ),
     )
     name, _, address = bridge.maintainer.partition(" <")
+    is_serial = on_serial_line(end.host for peer in bridge.peers for end in peer.ends)
     xml = header(bridge.table, "<!--", " -->")
     yield (
         f"{folder}/package.xml",
@@ -70,7 +72,7 @@ def emit(bridge: ir.Bridge) -> Files:
             address=address.rstrip(">"),
             version=bridge.version,
             license=bridge.license,
-            needs=NEEDS | (_NEEDS_OF_SERIAL if _has_serial_line(bridge) else {}),
+            needs=NEEDS | (_NEEDS_OF_SERIAL if is_serial else {}),
             others=others,
             spoken=sorted({interface.package for interface in bridge.interfaces} - {*others}),
         ),
@@ -107,10 +109,6 @@ def _parameters(bridge: ir.Bridge) -> dict[str, dict[str, Any]]:
     if bridge.link is None:
         return {name: parameter for name, parameter in declared.items() if not parameter.get("of_link")}
     return declared | {"link_policy": {**declared["link_policy"], "default": bridge.link.on_mismatch}}
-
-
-def _has_serial_line(bridge: ir.Bridge) -> bool:
-    return any(host.startswith("serial:") for peer in bridge.peers for end in peer.ends for host in end.host.split(","))
 
 
 def _keys(bridge: ir.Bridge) -> dict[str, str]:

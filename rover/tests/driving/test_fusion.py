@@ -47,7 +47,7 @@ def stack() -> Iterator[ExitStack]:
 
 @pytest.fixture
 def told(caplog: pytest.LogCaptureFixture) -> Told:
-    """What a fusion with the logger of these tests has logged up to now."""
+    """Lines that a fusion with the logger of these tests has logged up to now."""
     caplog.set_level(logging.INFO, _LOGGER.name)
     return lambda: [record.getMessage() for record in caplog.records]
 
