@@ -202,9 +202,9 @@ def _run(inside: Path, printed: Path, arguments: list[str]) -> tuple[int, bytes]
                 if code := server.stdout.readline():
                     return int(code), printed.read_bytes()
                 said = server.communicate()[1]
-            except BaseException:  # such as Ctrl-C: the answer to this request must not be that to the next one
-                server.kill()
-                server.wait()
+            except BaseException:  # such as Ctrl-C
+                # Nobody reads this answer, and the folder in which protoc still writes is removed: so wait for its end.
+                server.communicate()
                 _server.cache_clear()
                 raise
             _server.cache_clear()
