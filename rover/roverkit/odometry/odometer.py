@@ -3,7 +3,8 @@
 The distance between two reports is the difference of the odometer, whatever was lost, late or repeated between them. A
 difference that no rover can drive in the time between the reports is an old report, or the board has started again:
 
-- The odometer is 0 after a silence. Then the board has started again.
+- After a silence, the odometer is nearer to 0 than to where the last speed would have brought it. Then the board has
+  started again. If both are about as near, the variance says so.
 - For half a second, no report fits the old ones, but all fit each other. Then it has as well.
 - Otherwise the report is ignored. Its distance is in the next one, too.
 
@@ -85,15 +86,19 @@ class OdometerDistance:
             self._begin(now, odometer)
             return Rolled(now, now, curvature=self._driven(now, number))
         last, report = self._recent[-1], _Report(now, odometer)
-        guessed = 0.0
-        distance = odometer - last.odometer
-        if not _fit(last, report) or self._is_zero_after_silence(last, report):
-            if not self._has_started_again(last, report):
+        distance, guessed, other = odometer - last.odometer, 0.0, 0.0
+        from_zero = _fit(_Report(last.at, 0.0), report)
+        begins = False
+        if _seconds(last.at, now) >= STILL_S and from_zero and abs(distance) > TOLERANCE_M:
+            begins, unclear = self._begins(last, report)
+            other = last.odometer if unclear else 0.0
+        if begins or not _fit(last, report):
+            if not (begins or self._agrees(report)):
                 self.ignored += 1
                 return None
             guessed = math.copysign(self.speed**2 / 2 / ACCELERATION, self.speed)
             # An odometer that begins anywhere else tells nothing about the time before.
-            distance = guessed + (odometer if _fit(_Report(last.at, 0.0), report) else 0.0)
+            distance = guessed + (odometer if from_zero else 0.0)
             self._begin(now, odometer)
         else:
             self._recent.append(report)
@@ -103,7 +108,7 @@ class OdometerDistance:
         while len(self._recent) > 2 and _seconds(self._recent[1].at, now) >= _SPEED_S:
             self._recent.popleft()
         self._left = left
-        return Rolled(last.at, now, distance, guessed, guessed**2, self._driven(now, number))
+        return Rolled(last.at, now, distance, guessed, guessed**2 + other**2, self._driven(now, number))
 
     def _begin(self, now: int, odometer: float) -> None:
         self._recent.clear()
@@ -111,14 +116,15 @@ class OdometerDistance:
         self._recent.append(_Report(now, odometer))
         self._moved_at = now
 
-    @staticmethod
-    def _is_zero_after_silence(last: _Report, report: _Report) -> bool:
-        return abs(report.odometer) < TOLERANCE_M < abs(last.odometer) and _seconds(last.at, report.at) >= STILL_S
+    def _begins(self, last: _Report, report: _Report) -> tuple[bool, bool]:
+        """Return whether a report after a silence is of a new start of the board, and whether this is unclear."""
+        seconds = _seconds(last.at, report.at)
+        driven = abs(report.odometer - last.odometer - self.speed * seconds)
+        begun = abs(report.odometer)
+        return begun < driven, abs(begun - driven) < ACCELERATION * seconds**2 / 2
 
-    def _has_started_again(self, last: _Report, report: _Report) -> bool:
-        """Return true if a report that does not fit the last one is of a new start of the board."""
-        if self._is_zero_after_silence(last, report):
-            return True
+    def _agrees(self, report: _Report) -> bool:
+        """Return true if a report that does not fit the last one fits all others of half a second."""
         known = self._unexplained
         if known and _fit(known[-1], report):
             known[1:] = [report]

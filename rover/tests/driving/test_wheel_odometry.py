@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from roverkit.driving.arcs import Arc, PlanarPose
 from roverkit.driving.board_commands import STOP, BoardCommand
@@ -224,11 +224,12 @@ def test_a_board_that_restarts_causes_no_jump(seed: int, motors: bool) -> None:
 
 @pytest.mark.slow
 @given(_seeds, st.integers(0, 2))
+@example(78, 2)  # the first report of the new start is no longer 0, and the old odometer is not far away
 @settings(max_examples=5, deadline=None)
 def test_with_an_odometer_the_distance_is_exact_over_a_bad_link(seed: int, restarts: int) -> None:
     """30 % of the commands and reports are lost, the others up to 200 ms late and in any order, some twice.
 
-    Only what the rover rolls while its board starts again is estimated.
+    Only what the rover rolls while its board starts again is estimated, and the covariance says so.
     """
     link = FaultyLink(seed, Faults(lost=0.3, repeated=0.1, delay=0.2, imu=False, odometer=True))
     link.run(1)
@@ -239,8 +240,9 @@ def test_with_an_odometer_the_distance_is_exact_over_a_bad_link(seed: int, resta
         if part < restarts:
             link.model.restart_board()
     _stop(link)
-    assert link.model.rolled > 1
-    assert abs(link.error()[0]) < 0.002 + 0.12 * restarts
+    assert link.model.rolled > 0.3
+    deviation = math.sqrt(link.estimates[-1].covariance[0][0])
+    assert abs(link.error()[0]) < 0.002 + min(3 * deviation, 0.4) * restarts
 
 
 def test_the_number_of_a_command_tells_the_turn_without_an_imu() -> None:
