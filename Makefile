@@ -41,7 +41,7 @@ test-all: $(VENV)/ready-full  ## the tests, the slow ones too, with all optional
 	$(PYTEST) -m 'not exhaustive'
 
 exhaustive: $(VENV)/ready-full  ## thousands of random histories, every change of the launch files, ROS 2 Kilted, an hour of datagrams; takes hours
-	$(PYTEST) -m exhaustive
+	$(PYTEST) -m 'exhaustive or hypothesis' --hypothesis-profile exhaustive
 	$(MAKE) test-ros2 ROS2=kilted
 	$(MAKE) soak SOAK_SECONDS=3600
 

@@ -29,9 +29,18 @@ with contextlib.suppress(ImportError):  # the environments of tests/ros2 have no
     from hypothesis import HealthCheck, settings
     from hypothesis.internal.conjecture import providers
 
-    # A loaded machine says nothing about the code: no property has a deadline.
-    settings.register_profile("roverlink", max_examples=50, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-    settings.load_profile("roverlink")
+    # A loaded machine says nothing about the code: no property has a deadline. Nor does a test fail by chance, and then
+    # pass: the examples of a test are always the same, but in `make exhaustive`, which draws others in each run.
+    for profile, fixed in (("exhaustive", False), ("default", True)):
+        settings.register_profile(
+            profile,
+            max_examples=50,
+            deadline=None,
+            suppress_health_check=[HealthCheck.too_slow],
+            derandomize=fixed,
+            database=None,
+        )
+    settings.load_profile("default")
 
 
 _entry_points = importlib.metadata.entry_points
