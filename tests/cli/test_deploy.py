@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 from programs import Start
 from signed_project import make_signed_project
 
@@ -114,7 +114,7 @@ def test_a_bridge_tells_the_service_manager_how_it_is(
 ) -> None:
     """It is ready when it can receive, alive as long as its threads are, and stopping at the end."""
     environment["WATCHDOG_USEC"] = "400000"
-    notified.settimeout(60)
+    notified.settimeout(PATIENCE_S)
     bridge = start("run", "--middleware", "memory", "--ros-args", "-p", "listen_port:=0")
     told = [notified.recv(64) for _ in range(5)]
     assert b"READY=1" in told[:2]

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 
 _ROOT = Path(__file__).parents[2]
 _STARTS = 4  # the time in which the signal comes, in starts of Python with roverlink
@@ -42,7 +42,7 @@ def _interrupted(arguments: list[str], delay_s: float, folder: Path, environment
     time.sleep(delay_s)  # no event to await: the signal shall come at any moment
     program.send_signal(signal.SIGINT)
     try:
-        _, errors = program.communicate(timeout=60)
+        _, errors = program.communicate(timeout=PATIENCE_S)
     finally:
         program.kill()
     return program.returncode, errors

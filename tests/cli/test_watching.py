@@ -18,7 +18,7 @@ import pytest
 import websockets
 from linked import TABLE, linked_registry, write_project
 from needs import NO_FOXGLOVE, needs_dds
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 from programs import Start
 from prometheus_client.parser import text_string_to_metric_families
 from repeating import repeated
@@ -31,7 +31,7 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.recording.message_definitions import definition_of
 
 _EVERY_ADDRESS = "0.0.0.0"  # noqa: S104  # on request
-_TOP = ("top", "--once", "--middleware", "dds", "--timeout", 60)
+_TOP = ("top", "--once", "--middleware", "dds", "--timeout", PATIENCE_S)
 
 
 @contextlib.contextmanager
@@ -55,7 +55,7 @@ def test_top_shows_the_bridge(bridge: Bridge, start: Start, called: Called) -> N
     """As a page, and as JSON for scripts, from a second program; exit code 1 while a board or peer has not spoken."""
     program, port = bridge(middleware="dds")
     with _speaking(port):
-        live = start("top", "--middleware", "dds", "--json", "--timeout", 60)
+        live = start("top", "--middleware", "dds", "--json", "--timeout", PATIENCE_S)
         code, output, _ = called(*_TOP)
         waiting = "/udp_forwarder  WAITING  no message yet from ArmBoard, DrivingBoard, basestation"
         assert (code, output.splitlines()[0]) == (1, waiting)
@@ -236,10 +236,10 @@ def test_top_serves_the_page(bridge: Bridge, start: Start, middleware: str, requ
         request.getfixturevalue("zenoh_router")
     program, port = bridge(middleware=middleware)
     with _speaking(port):
-        top = start("top", "--middleware", middleware, "--web", "127.0.0.1:0", "--timeout", 60)
+        top = start("top", "--middleware", middleware, "--web", "127.0.0.1:0", "--timeout", PATIENCE_S)
         url = top.wait_for("page: ").rpartition(" ")[2]
         seen: dict[str, dict[str, Any]] = {}
-        with urllib.request.urlopen(f"{url}events", timeout=60) as events:
+        with urllib.request.urlopen(f"{url}events", timeout=PATIENCE_S) as events:
             while not (seen.get("state") and seen.get("log", {}).get("lines")):
                 name = events.readline().decode().strip()
                 if name.startswith("event: "):

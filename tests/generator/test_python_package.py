@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from golden import ROOT, case, generate
+from polling import PATIENCE_S
 from trees import edit
 
 from roverlink.generator.diagnostics import Diagnostic
@@ -45,7 +46,11 @@ def test_packages_are_loaded_under_their_names(tmp_path: Path) -> None:
     first, second = _project(tmp_path / "a", "first.generated"), _project(tmp_path / "b", "second")
     third = _project(tmp_path / "c", "first.generated")
     done = subprocess.run(
-        [sys.executable, "-c", _LOADS, first, second, third], cwd=ROOT, capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", _LOADS, first, second, third],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S,
     )
     assert done.returncode == 0, done.stderr
     *shown, refused = done.stdout.splitlines()

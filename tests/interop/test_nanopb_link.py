@@ -11,6 +11,7 @@ from typing import IO, cast
 import pytest
 from linked import PROTO, TABLE, linked_registry, write_project
 from nanopb_board import compiled
+from polling import PATIENCE_S
 
 from roverlink.runtime.core.link_message import LinkMessage, LinkWriter, read
 from roverlink.runtime.core.link_statistics import LinkStatistics
@@ -49,7 +50,7 @@ class _Board:
     def close(self) -> None:
         """End the program."""
         self._in.close()
-        assert self._child.wait(10) == 0
+        assert self._child.wait(PATIENCE_S) == 0
         self._out.close()
 
 

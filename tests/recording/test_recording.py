@@ -25,7 +25,7 @@ from mcap.reader import make_reader
 from mcap.records import Chunk
 from mcap.stream_reader import StreamReader
 from needs import needs_native
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 from runs import ROWS, record_everything, recorder
 
 from generated.registry import REGISTRY
@@ -251,7 +251,7 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(small_disk: Path) -> No
     """It is told before and when it happens; what was recorded is readable; what came later is counted as lost."""
     path = small_disk / "run.mcap"
     with _run_of("full", path) as child:
-        output, _ = child.communicate(timeout=60)
+        output, _ = child.communicate(timeout=PATIENCE_S)
     assert child.returncode == 0, output
     assert "WARNING the disk is nearly full: " in output
     assert f" MB free for {path}, enough for " in output

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import pytest
 from google.protobuf.message import DecodeError
 from needs import needs_native
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 from repeating import repeated
 
 from generated.interfaces.geometry_msgs import Point, Pose, PoseWithCovariance
@@ -195,7 +195,7 @@ def _numbered(kind: Any, number: int) -> dict[str, Any]:
 
 
 def _waiting(sock: socket.socket, count: int) -> list[bytes]:
-    sock.settimeout(30)
+    sock.settimeout(PATIENCE_S)
     return [sock.recv(65_536) for _ in range(count)]
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from judge import Bridge, Judge, interface, repeat
 from needs import needs_native
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -88,9 +88,9 @@ def test_an_urgent_topic_is_served_first(receive: Receive, judge: Judge) -> None
     entered, go_on = threading.Event(), threading.Event()
     blocking, slow, urgent = receive("/blocking"), receive("/slow"), receive("/urgent", priority=9)
     slow.on_first, urgent.on_first = (lambda: order.append("slow")), (lambda: order.append("urgent"))
-    blocking.on_first = lambda: (entered.set(), go_on.wait(10))  # type: ignore[assignment]
+    blocking.on_first = lambda: (entered.set(), go_on.wait(PATIENCE_S))  # type: ignore[assignment]
     blocking.publish(0)
-    assert entered.wait(10)
+    assert entered.wait(PATIENCE_S)
     for number in range(3):
         slow.publish(number)
     urgent.publish(0)

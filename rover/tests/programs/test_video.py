@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from needs import NO_AV, NO_OPENCV, needs_dds
 from node_in_memory import hear
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 from programs import Program, Start
 from running import Called
 
@@ -92,7 +92,7 @@ def test_images_arrive_and_are_saved(start: Start, images: Path, tmp_path: Path)
         ("video/arm", {}, 404),
     ):
         with pytest.raises(urllib.error.HTTPError) as caught:
-            urllib.request.urlopen(urllib.request.Request(url + path, headers=headers), timeout=30)
+            urllib.request.urlopen(urllib.request.Request(url + path, headers=headers), timeout=PATIENCE_S)
         assert caught.value.code == status
     assert sender.interrupt() == 0
     receiver.wait_for("front: no image for a second")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from needs import NO_AV, NO_OPENCV
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 from programs import Program, Start
 
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
@@ -128,7 +128,7 @@ def test_others_show_what_we_send(sender: Program, port: int, tmp_path: Path, pa
     words = line.format(port=port).split()
     _needs(words[0], package)
     (tmp_path / "front.sdp").write_text(_SDP.format(port=port))
-    subprocess.run(words, check=True, timeout=60, stdin=subprocess.DEVNULL, cwd=tmp_path)
+    subprocess.run(words, check=True, timeout=PATIENCE_S, stdin=subprocess.DEVNULL, cwd=tmp_path)
     images = np.frombuffer((tmp_path / "images.raw").read_bytes(), np.uint8)
     assert images.size >= (_IMAGES - 1) * 320 * 240
     middle = images[: images.size // (320 * 240) * 320 * 240].reshape(-1, 240, 320)[:, 120, 160]

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from needs import NO_AV, NO_OPENCV
-from polling import wait_until
+from polling import PATIENCE_S, wait_until
 
 cv2 = pytest.importorskip("cv2", reason=NO_OPENCV)
 np = pytest.importorskip("numpy", reason=NO_OPENCV)
@@ -305,7 +305,7 @@ def test_a_request_for_forgotten_packets_stops_nothing() -> None:
 def test_a_long_outage_is_a_new_beginning() -> None:
     """The counts begin again, also in the reports; an image is not intact before the next key frame."""
     with RtpReceiver(_HOST, 0) as receiver, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        sender.settimeout(30)
+        sender.settimeout(PATIENCE_S)
         units = receiver.units()
 
         def received(*packets: RtpPacket) -> list[ReceivedUnit]:
