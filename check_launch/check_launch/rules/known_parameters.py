@@ -128,6 +128,10 @@ class ParameterView:
         """Return true if a parameter of a group, such as ``voxel_layer``, is given."""
         return any(given.startswith(f"{name}.") for given in self.given)
 
+    def is_in_sources(self, name: str) -> bool:
+        """Return true if a text in the sources of the node may name the parameter in a way that was not understood."""
+        return bool({name, name.rpartition(".")[2]} & self.facts.other_texts)
+
     def is_misspelt(self, name: str) -> bool:
         """Return true for the misspelling of a parameter that is known and not given."""
         return any(other not in self.given for other in misspelt(name, self.exact))

@@ -135,7 +135,7 @@ def view_findings(
         if view.is_open(given.name) and not near:
             continue  # perhaps a parameter of a class that is not known
         finding = _unknown(given, shown, view, system)
-        yield as_hint(finding) if is_unsure and not near else finding
+        yield as_hint(finding) if (is_unsure and not near) or view.is_in_sources(given.name) else finding
     if rest := [given for given in unknown[_MOST_UNKNOWN:] if not view.is_open(given.name)]:
         message = f"{shown} has no parameter '{rest[0].name}', and none of {len(rest) - 1} more"
         finding = UnknownParameter.at(rest[0].place, message)
