@@ -95,6 +95,11 @@ _CASES: Mapping[str, Case] = {
         launch=_RTABMAP.replace("name: rtabmap,", "name: rtabmap, namespace: rover,"),
         finding="p.yaml:1:1: PAR105 write '/rover/rtabmap', or '/**/rtabmap' for any namespace",
     ),
+    "a section in another one": _controller(
+        "local_costmap:",
+        "  local_costmap: {ros__parameters: {width: 5, height: 5}}",
+        finding="p.yaml:4:41: PAR102 move 'local_costmap.local_costmap' out of 'controller_server'",
+    ),
     "a parameter twice": _rtabmap("frame_id: a", "frame_id: b", finding="p.yaml:3:5: PAR106"),
     "a parameter of the y axis alone": _controller(
         "FollowPath:",
