@@ -409,6 +409,13 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters("drivr_node", "speed: 1.0"),
         ["hint LCH106", "warning PAR105 did you mean 'driver'?"],
     ),
+    "two filters of one tree whose frames only the robot knows, and a number that strtod reads": (
+        _node("robot_localization", "ekf_node", name="a", param="[{from: /etc/a.yaml}]")
+        + _node("robot_localization", "ekf_node", name="b", param="[{from: /etc/b.yaml}]")
+        + _node("tf2_ros", "static_transform_publisher", param="", args='"0, 0 0 0 0 0 a b"'),
+        "",
+        2 * ["hint LCH102"],
+    ),
     "parameters without ros__parameters": (
         _node("robot_localization", "ekf_node", name="ekf"),
         "ekf:\n  frequency: 30.0\n",

@@ -106,7 +106,7 @@ class PythonFile:
         os.environ = self._environment  # type: ignore[assignment]  # noqa: B003  # what the system does not need
         exists, os.path.exists, os.path.isfile = (os.path.exists, os.path.isfile), _exists, _exists
         opened = io.open
-        builtins.open = io.open = self._opened  # type: ignore[assignment]  # `pathlib` takes the one of io
+        builtins.open = io.open = self._opened  # `pathlib` takes the one of io
         try:
             yield
         except UnreadableFileError:

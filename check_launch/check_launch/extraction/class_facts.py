@@ -75,6 +75,8 @@ _OPEN = re.compile(
     r"|\bdeclare_parameters\s*\("
 )
 """Declarations of parameters whose names are in no literal of the source."""
+_DYNAMIC = "dynamic_typing"
+"""Field of a descriptor that lets a parameter change its type."""
 _LARGEST = 1 << 20  # bytes of a C++ file; larger ones are data
 _LARGEST_PACKAGE = 3 << 20
 """Letters of C++ in a package that is read as a whole. A larger one contains libraries that know nothing of ROS."""
@@ -326,6 +328,8 @@ class _PackageReader:
             written, _ = scope.value(f"std::vector<{call.template}>()")
             type_ = written.removesuffix("_array") or type_
             default = float(default) if type_ == "double" and type(default) is int else default
+        if _DYNAMIC in source.text:
+            type_ = ""
         known = self._facts(call.owner).parameters
         before = known.get(name)
         known[name] = (

@@ -170,7 +170,9 @@ class ParameterView:
 
         def replaced(match: re.Match[str]) -> str:
             nonlocal unknown
-            value = self.value(prefix + match[1])
+            name = prefix + match[1]
+            # A file that is not here may give a value, so that the default of a topic or frame is not known to hold.
+            value = UNKNOWN if self.is_partial and name not in self.given else self.value(name)
             if value is None or value == "":
                 value = match[2] if match[2] is not None else value
             if value is UNKNOWN or value is None:
