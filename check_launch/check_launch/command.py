@@ -84,7 +84,7 @@ def add(commands: Subparsers) -> None:
         type=seconds,
         default=DEFAULT_LIMITS.seconds,
         metavar="SECONDS",
-        help="longest time for a launch file with one value of its arguments (default: %(default)g)",
+        help="most processor time for a launch file with one value of its arguments (default: %(default)g)",
     )
     parser.add_argument(
         "--graph",

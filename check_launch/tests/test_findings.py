@@ -95,6 +95,11 @@ _CASES: Mapping[str, Case] = {
         launch=_RTABMAP.replace("name: rtabmap,", "name: rtabmap, namespace: rover,"),
         finding="p.yaml:1:1: PAR105 write '/rover/rtabmap', or '/**/rtabmap' for any namespace",
     ),
+    "a section in another one": _controller(
+        "local_costmap:",
+        "  local_costmap: {ros__parameters: {width: 5, height: 5}}",
+        finding="p.yaml:4:41: PAR102 move 'local_costmap.local_costmap' out of 'controller_server'",
+    ),
     "a parameter twice": _rtabmap("frame_id: a", "frame_id: b", finding="p.yaml:3:5: PAR106"),
     "a parameter of the y axis alone": _controller(
         "FollowPath:",
@@ -403,6 +408,13 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _node("my_rover", "driver", name="driver"),
         _parameters("drivr_node", "speed: 1.0"),
         ["hint LCH106", "warning PAR105 did you mean 'driver'?"],
+    ),
+    "two filters of one tree whose frames only the robot knows, and a number that strtod reads": (
+        _node("robot_localization", "ekf_node", name="a", param="[{from: /etc/a.yaml}]")
+        + _node("robot_localization", "ekf_node", name="b", param="[{from: /etc/b.yaml}]")
+        + _node("tf2_ros", "static_transform_publisher", param="", args='"0, 0 0 0 0 0 a b"'),
+        "",
+        2 * ["hint LCH102"],
     ),
     "parameters without ros__parameters": (
         _node("robot_localization", "ekf_node", name="ekf"),

@@ -22,7 +22,8 @@ _CASES: Mapping[str, tuple[Mapping[str, str | bytes], str]] = {
         {"a.launch.py": _PYTHON + "os.kill(os.getpid(), signal.SIGTERM)" + _FUNCTION},
         "ended by SIGTERM",
     ),
-    "does not end": ({"a.launch.py": _PYTHON + "while True: pass" + _FUNCTION}, "longer than 2 s"),
+    "does not end": ({"a.launch.py": _PYTHON + "while True: pass" + _FUNCTION}, "longer than 0.2 s"),
+    "waits without end": ({"a.launch.py": _PYTHON + "time.sleep(1000)" + _FUNCTION}, "longer than 0.2 s"),
     "leaves a thread": (
         {"a.launch.py": _PYTHON + "threading.Thread(target=time.sleep, args=[1000]).start()" + _FUNCTION},
         "",
@@ -66,7 +67,7 @@ def test_a_file_that_does_not_end_well_gives_one_finding(
     monkeypatch.chdir(tmp_path)
     for name, text in files.items():
         (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
-    limit = "2" if "2 s" in finding else "20"  # what ends has the time that a busy computer needs
+    limit = "0.2" if "0.2 s" in finding else "20"  # what ends has the time that a busy computer needs
     code = main(["check-launch", "--format", "json", "--time-limit", limit, next(iter(files))])
     fatal = [one for one in json.loads(capsys.readouterr().out) if one["severity"] == "fatal"]
     assert [one["path"].endswith((".py", ".xml", ".yaml")) for one in fatal] == [True] * bool(finding)

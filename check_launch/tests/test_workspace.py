@@ -62,11 +62,12 @@ int main() {
 }
 """,
     "src/cart/package.xml": "<package><name>cart</name><version>1.0.0</version></package>",
-    "src/cart/CMakeLists.txt": "project(cart)\nadd_executable(wheels src/wheels.cpp)\n",
+    "src/cart/CMakeLists.txt": "project(cart)\nadd_executable(wheels src/wheels.cpp)\n"
+    "rover_program(brake src/brake.cpp)\n",
     "src/cart/src/wheels.cpp": """
 namespace base {
 class Wheels : public rclcpp::Node {
-  Wheels() : Node("wheels") { declare_parameter<float>("spoke", 3); }
+  Wheels() : Node("wheels") { declare_parameter<float>("spoke", 3); auto node = this; elsewhere(node, "hub"); }
 };
 }
 int main() { rclcpp::spin(std::make_shared<base::Wheels>()); }
@@ -86,7 +87,8 @@ def generate_launch_description():
         Node(package='arm', executable='driver', parameters=[{'rte': 5.0}, {'joint.names': ['c']}, {'topic': 'a'}]),
         Node(package='arm', executable='other', parameters=[{'anything': 5.0}, {'a', 'b'}]),
         Node(package='base', executable='wheels', parameters=[{'radius': 5.0}, {'radus': 0.2}, {'width': 1}]),
-        Node(package='cart', executable='wheels', parameters=[{'spoke': 5.0}, {'radius': 0.2}]),
+        Node(package='cart', executable='wheels', parameters=[{'spoke': 5.0}, {'radius': 0.2}, {'hub': 1}]),
+        Node(package='cart', executable='brake'),
     ])
 """,
 }

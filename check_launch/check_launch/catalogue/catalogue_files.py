@@ -28,6 +28,8 @@ DISTRIBUTIONS = ("humble", "jazzy", "kilted")
 """ROS 2 distributions for which there is a catalogue."""
 
 _FOLDER = Path(__file__).parent
+_NOT_STORED = ("name", "other_texts", "build_words")
+"""The name is the key of the facts; the others are of workspaces only."""
 
 
 def file_of(distribution: str) -> Path:
@@ -97,8 +99,8 @@ def text_of(catalogue: Catalogue) -> str:
     data = {
         "distribution": catalogue.distribution,
         "sources": {name: dataclasses.asdict(source) for name, source in catalogue.sources.items()},
-        "packages": {name: _short(facts, without=("name",)) for name, facts in catalogue.packages.items()},
-        "classes": {name: _short(facts, without=("name",), optional=True) for name, facts in catalogue.classes.items()},
+        "packages": {name: _short(facts, _NOT_STORED) for name, facts in catalogue.packages.items()},
+        "classes": {name: _short(facts, _NOT_STORED, optional=True) for name, facts in catalogue.classes.items()},
         "plugins": {name: _short(plugin) for name, plugin in catalogue.plugins.items()},
         "sets": {name: _short(facts) for name, facts in catalogue.sets.items()},
     }

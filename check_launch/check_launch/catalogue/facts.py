@@ -128,6 +128,8 @@ class NodeClass:
     """Names of topics that the node may have, too, with ``{*}`` for any text."""
     is_partial: bool = False
     """True if the sources may have more parameters and topics than these."""
+    other_texts: frozenset[str] = frozenset()
+    """Texts in the sources of a workspace that were not understood: each may name one more parameter or topic."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +167,8 @@ class Package:
     """Descriptions of the package's launch files by their paths in its share folder (see `expansion.stored`)."""
     is_partial: bool = False
     """True if the package may have more executables and components than these."""
+    build_words: frozenset[str] = frozenset()
+    """Words in the build files of a package of the workspace: each may be the name of one more executable."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -428,8 +428,7 @@ class _Run:
         elif isinstance(action, SetParameter):
             context.parameters = [*context.parameters, *self._values(action.name, action.value, action.place, False)]
         elif isinstance(action, SetParametersFromFile):
-            use = self._file(GivenFile(action.path, action.place))
-            context.parameters = [*context.parameters, *([use] if use else [])]
+            context.parameters = [*context.parameters, self._file(GivenFile(action.path, action.place))]
         elif isinstance(action, Include):
             self._include(action)
         elif isinstance(action, StartNode):
@@ -575,7 +574,7 @@ class _Run:
         namespace = self._text(action.namespace) if action.namespace is not None else ""
         values: list[GivenValue] = []
         files: list[FileUse] = []
-        has_unknown_files = False
+        has_unknown_files = None in context.parameters
         for given in action.parameters:
             if isinstance(given, GivenParameter):
                 values += self._values(given.name, given.value, given.place, given.is_text)
@@ -593,8 +592,10 @@ class _Run:
         name = self._text(action.name) if action.name is not None else ""
         for option, value in _of_ros([*arguments, "--ros-args", *map(self._text, action.ros_arguments)]):
             before, is_pair, after = value.partition(":=")
-            if option == "--params-file" and (use := self._file(GivenFile(value, action.place))):
-                files.append(use)
+            if option == "--params-file":
+                use = self._file(GivenFile(value, action.place))
+                files += [use] if use else []
+                has_unknown_files |= use is None
             elif option in ("-r", "--remap") and is_pair:
                 remappings.append(StartedRemapping(before, after, action.place, action.place))
             elif option in ("-p", "--param") and is_pair:

@@ -145,7 +145,7 @@ class Context:
     """Path of the launch file that was included last."""
     namespace: str = ""
     remappings: list[Any] = field(default_factory=list)
-    parameters: list[Any] = field(default_factory=list)
+    parameters: list[Any] = field(default_factory=list)  # None for a file that is not known
     place: Span = field(default_factory=lambda: Span(""))
     """Place of the action that is being expanded."""
     undeclared: list[tuple[str, Span]] = field(default_factory=list)

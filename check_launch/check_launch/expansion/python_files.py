@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import builtins
+import io
 import os
 import re
 import sys
@@ -25,6 +27,7 @@ from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 _FUNCTION = "generate_launch_description"
+_OPEN = open
 _RAISE = re.compile(r"(?:^|[:;]\s*)raise\b")
 
 
@@ -55,6 +58,7 @@ class PythonFile:
         self._stand_ins.read(self._tree)
         self._imports_all = any(isinstance(node, ast.alias) and node.name == "*" for node in ast.walk(self._tree))
         self._missing: dict[str, int] = {}
+        self._has_opened_unknown = False
         self._environment = _Environment(str(path), environment)
 
     def actions(self) -> list[Action]:
@@ -101,6 +105,8 @@ class PythonFile:
         sys.meta_path.append(finder)
         os.environ = self._environment  # type: ignore[assignment]  # noqa: B003  # what the system does not need
         exists, os.path.exists, os.path.isfile = (os.path.exists, os.path.isfile), _exists, _exists
+        opened = io.open
+        builtins.open = io.open = self._opened  # `pathlib` takes the one of io
         try:
             yield
         except UnreadableFileError:
@@ -124,6 +130,7 @@ class PythonFile:
             self._missing |= finder.missing
             os.environ = environment  # noqa: B003
             os.path.exists, os.path.isfile = exists
+            builtins.open = io.open = opened
             sys.meta_path.remove(finder)
             sys.path[:] = path
             for name in set(sys.modules) - before:
@@ -132,6 +139,13 @@ class PythonFile:
                 if is_made or name.partition(".")[0] in _REPLACED or _is_beside(module, self._path.parent):
                     sys.modules.pop(name)
             sys.modules.update(hidden)
+
+    def _opened(self, file: Any, mode: str = "r", *arguments: Any, **options: Any) -> Any:
+        """Open a file. What stands in one of a package that is not here is known at run time only."""
+        if UNKNOWN_SHARE not in str(file):
+            return _OPEN(file, mode, *arguments, **options)
+        self._has_opened_unknown = True
+        return io.BytesIO(RUN_TIME.encode()) if "b" in mode else io.StringIO(RUN_TIME)
 
     def _needed(self, error: BaseException, missing: dict[str, int]) -> str:
         """Return what is not there, if the file may have stopped for this reason; empty if nothing is missing."""
@@ -144,7 +158,7 @@ class PythonFile:
         if isinstance(error, NameError) and self._imports_all:
             return "perhaps a module gives it, of which the file imports all names"
         text = str(error)
-        if RUN_TIME in text or UNKNOWN_SHARE in text:
+        if RUN_TIME in text or UNKNOWN_SHARE in text or self._has_opened_unknown:
             return "a file or text is not here"
         if isinstance(error, FileNotFoundError):  # perhaps one that the robot has, or that the build makes
             return "a file is not here" if "/" in str(error.filename) else "a program is not installed"

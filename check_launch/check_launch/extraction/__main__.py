@@ -9,6 +9,7 @@ Example: python -m check_launch.extraction ~/sources --distribution humble
 from __future__ import annotations
 
 import argparse
+import json
 import subprocess
 import sys
 import tempfile
@@ -18,8 +19,7 @@ from typing import Any
 
 import yaml
 
-from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, file_of, read_catalogue, text_of
-from check_launch.catalogue.facts import Catalogue
+from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, file_of, text_of
 from check_launch.extraction.assembling import Assembler, Checkout, packages_in
 from check_launch.extraction.git_sources import exported
 from check_launch.extraction.launch_files import launch_files_of
@@ -58,11 +58,13 @@ def _extract(distribution: str, listed: Mapping[str, Any], repositories: Path, o
         }
         catalogue = assembler.catalogue(distribution, launch_files)
     file = output / f"{distribution}.json" if output else file_of(distribution)
-    before = read_catalogue(distribution) if file_of(distribution).is_file() else None
-    write_whole(file, text_of(catalogue).encode())
+    before = file_of(distribution)
+    old = before.read_text(encoding="utf-8") if before.is_file() else "{}"
+    new = text_of(catalogue)
+    write_whole(file, new.encode())
     for name in sorted(assembler.unexplained):
         print(f"{distribution}: not explained: {name}", file=sys.stderr)
-    for line in _changes(before, catalogue):
+    for line in _changes(json.loads(old), json.loads(new)):
         print(f"{distribution}: {line}")
     print(
         f"{distribution}: {len(catalogue.packages)} packages, {len(catalogue.classes)} classes, "
@@ -79,26 +81,20 @@ def _checkouts(distribution: str, listed: Mapping[str, Any], repositories: Path,
             yield Checkout(name, inner, source, packages_in(inner), bool(stated.get("supplemented")))
 
 
-def _changes(before: Catalogue | None, after: Catalogue) -> Iterator[str]:
-    """Yield what a catalogue has that the one before had not, and the reverse."""
-    if before is None:
-        return
-    for kind in ("packages", "classes", "plugins"):
-        old: Mapping[str, Any] = getattr(before, kind)
-        new: Mapping[str, Any] = getattr(after, kind)
-        yield from (f"- {kind}: {name}" for name in sorted(old.keys() - new.keys()))
-        yield from (f"+ {kind}: {name}" for name in sorted(new.keys() - old.keys()))
-    for name in sorted(before.classes.keys() & after.classes.keys()):
-        for part in ("parameters", "of_node", "of_parent"):
-            first, second = getattr(before.classes[name], part), getattr(after.classes[name], part)
-            yield from (f"- {name}: {parameter}" for parameter in sorted(first.keys() - second.keys()))
-            yield from (f"+ {name}: {parameter}" for parameter in sorted(second.keys() - first.keys()))
-            # As texts, because a default may be NaN, which does not equal itself.
-            both = sorted(first.keys() & second.keys())
-            yield from (f"~ {name}: {one}" for one in both if repr(first[one]) != repr(second[one]))
-        topics = [{(end.kind, end.name) for end in one.classes[name].endpoints} for one in (before, after)]
-        yield from (f"- {name}: {kind} {topic}" for kind, topic in sorted(topics[0] - topics[1]))
-        yield from (f"+ {name}: {kind} {topic}" for kind, topic in sorted(topics[1] - topics[0]))
+def _changes(before: Mapping[str, Any], after: Mapping[str, Any], path: str = "") -> Iterator[str]:
+    """Yield what a catalogue has that the one before had not, and the reverse, each with its path in the file."""
+    for key in sorted(before.keys() | after.keys()):
+        name, old, new = f"{path} {key}".lstrip(), before.get(key), after.get(key)
+        if key not in after or key not in before:
+            yield f"{'+' if key in after else '-'} {name}"
+        elif isinstance(old, dict) and isinstance(new, dict):
+            yield from _changes(old, new, name)
+        elif isinstance(old, list) and isinstance(new, list):
+            texts = [list(map(json.dumps, old)), list(map(json.dumps, new))]
+            yield from (f"- {name}: {text}" for text in texts[0] if text not in texts[1])
+            yield from (f"+ {name}: {text}" for text in texts[1] if text not in texts[0])
+        elif json.dumps(old) != json.dumps(new):  # as texts, because NaN does not equal itself
+            yield f"~ {name}: {json.dumps(old)} is now {json.dumps(new)}"
 
 
 if __name__ == "__main__":

@@ -57,6 +57,13 @@ def _in_package(package: str, class_name: str) -> str:
     return f"package {package}::{class_name}"
 
 
+def _other_texts(facts: PackageFacts) -> frozenset[str]:
+    """Return the texts in a package's sources that are no names of the parameters and topics that were understood."""
+    known = {name for one in facts.classes.values() for name in one.parameters}
+    known |= {end.name for one in facts.classes.values() for end in one.endpoints}
+    return frozenset(facts.texts) - known - {name.rpartition(".")[2] for name in known}
+
+
 def packages_in(folder: Path) -> dict[str, Path]:
     """Return the folders of the packages in a checkout that build something, without tests and examples."""
     found: dict[str, Path] = {}
@@ -89,8 +96,10 @@ class Assembler:
         """Names of parameters with variables that supplement.yaml has to explain."""
         self._partial: set[str] = set()
         self._with_marks: set[str] = set()  # classes of packages that the supplement does not complete
+        self._other_texts: dict[str, frozenset[str]] = {}
         self._sources: dict[str, Source] = {}
         self._of_plugins: set[str] = set()
+        self._complete: set[str] = set()  # plugins of packages that the supplement completes
         self._distribution = ""
         for checkout in sorted(checkouts, key=lambda checkout: checkout.name):
             self._sources[checkout.name] = checkout.source
@@ -100,6 +109,7 @@ class Assembler:
                 self._packages[name] = folder, checkout
         for package, (folder, checkout) in self._packages.items():
             self._facts[package] = read(folder) if package != "rtabmap" else PackageFacts()
+            other_texts = _other_texts(self._facts[package])
             for class_name, of_class in self._facts[package].classes.items():
                 if checkout.is_supplemented:
                     self._classes.setdefault(class_name, of_class)
@@ -107,6 +117,7 @@ class Assembler:
                     name = _in_package(package, class_name) if class_name in self._classes else class_name
                     self._classes[name] = of_class
                     self._with_marks.add(name)
+                    self._other_texts[name] = other_texts
         self._short: dict[str, list[str]] = {}
         for class_name in self._classes:
             self._short.setdefault(class_name.rpartition("::")[2], []).append(class_name)
@@ -121,6 +132,12 @@ class Assembler:
         }
         wanted |= {node.get("class", "") for nodes in self._supplement.nodes.values() for node in nodes}
         of_plugins = self._of_plugins = {plugin.class_name for plugin in plugins.values()}
+        self._complete = {
+            plugin.class_name
+            for name, facts in self._facts.items()
+            if self._packages[name][1].is_supplemented
+            for plugin in facts.plugins.values()
+        }
         self._distribution = distribution
         classes = {
             name: self._joined(self._resolved(name, "") or name, name in of_plugins)
@@ -173,6 +190,7 @@ class Assembler:
             components,
             dict(launch_files),
             facts.is_partial and not self._packages[name][1].is_supplemented,
+            frozenset(facts.build_words),
         )
 
     def _add_programs_without_class(self) -> None:
@@ -200,7 +218,7 @@ class Assembler:
     def _joined(self, name: str, is_plugin: bool) -> NodeClass | None:
         facts = self._classes.get(name)
         if facts is None:
-            return NodeClass(name)
+            return NodeClass(name, is_partial=name not in self._complete)  # its declaration was not read
         members = list(self._members(name, set()))
         parameters: dict[str, Parameter] = {}
         of_node: dict[str, Parameter] = {}
@@ -267,6 +285,7 @@ class Assembler:
             name in self._supplement.open_topics,
             next((arguments for member in names if (arguments := self._supplement.arguments.get(member))), {}),
             is_partial=name in self._with_marks and any(map(self._is_partial, names)),
+            other_texts=frozenset().union(*(self._other_texts.get(member, ()) for member in names)),
         )
 
     def _is_partial(self, name: str) -> bool:

@@ -15,9 +15,10 @@ _CALL = re.compile(r"\b(\w+)\s*\(([^()]*(?:\([^()]*\)[^()]*)*)\)")
 _VARIABLE = re.compile(r"\$\{(\w+)\}")
 _WORD = re.compile(r'"([^"]*)"|([^\s"]+)')
 _ENTRY_POINT = re.compile(r"^\s*([\w.-]+)\s*=\s*([\w.]+):[\w.]+\s*$", re.MULTILINE)
+_NAME = re.compile(r"[\w.:-]+")
 _OPEN = frozenset({"foreach", "macro", "function", "while"})
 """Commands of CMake whose executables may have other names than the text says."""
-_BUILDING = frozenset({"add_executable", "ament_auto_add_executable", "ament_add_gtest_executable", "ament_add_gtest"})
+_BUILDING = frozenset({"add_executable", "ament_auto_add_executable"})
 _MAIN = re.compile(r"\bmain\s*\(")
 _MADE = re.compile(r"(?:make_shared|make_unique)\s*<\s*([\w:]+)")
 
@@ -42,6 +43,8 @@ class Built:
     """Classes that the package registers as components."""
     is_partial: bool
     """True if there may be more executables, with names that the text of the files does not say."""
+    words: set[str]
+    """Words in the text of the files."""
 
 
 def built_by(folder: Path, classes: Mapping[str, ClassFacts]) -> Built:
@@ -65,7 +68,9 @@ def built_by(folder: Path, classes: Mapping[str, ClassFacts]) -> Built:
     spelled = {reader.names.get(target, target): program for target, program in reader.programs.items()}
     programs = [replace(program, name=name) for name, program in spelled.items() if "$" not in name]
     is_partial = is_other or reader.is_partial or len(programs) < len(spelled)
-    return Built(sorted(programs, key=lambda program: program.name), sorted(set(reader.components)), is_partial)
+    return Built(
+        sorted(programs, key=lambda program: program.name), sorted(set(reader.components)), is_partial, reader.words
+    )
 
 
 class _Build:
@@ -77,10 +82,13 @@ class _Build:
         self.components: list[str] = []
         self.names: dict[str, str] = {}
         self.is_partial = False
+        self.words: set[str] = set()
 
     def read(self, path: Path) -> None:
         variables = {"PROJECT_NAME": self._folder.name}
-        for function, words in _calls(path.read_text(encoding="utf-8", errors="replace"), variables):
+        text = _COMMENT.sub("", path.read_text(encoding="utf-8", errors="replace"))
+        self.words |= set(_NAME.findall(text))
+        for function, words in _calls(text, variables):
             if function in _OPEN:
                 self.is_partial = True
             elif function == "set" and len(words) > 1:
@@ -104,6 +112,7 @@ class _Build:
 
     def read_entry_points(self, text: str, name: str) -> None:
         """Add the programs of a setup.py or setup.cfg."""
+        self.words |= set(_NAME.findall(_COMMENT.sub("", text)))
         texts = [text]
         if name == "setup.py":
             try:
@@ -155,6 +164,6 @@ def _texts_in(node: ast.AST) -> Iterator[str]:
 
 
 def _calls(text: str, variables: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:
-    for match in _CALL.finditer(_COMMENT.sub("", text)):
+    for match in _CALL.finditer(text):
         words = [quoted or plain for quoted, plain in _WORD.findall(match[2])]
         yield match[1].lower(), [_VARIABLE.sub(lambda found: variables.get(found[1], found[0]), word) for word in words]

@@ -30,7 +30,7 @@ _OF_PARAMETER_TYPE = re.compile(r"PARAMETER_(BOOL|INTEGER|DOUBLE|STRING)(_ARRAY)
 _IDENTIFIER = re.compile(r"^(?:this->)?[A-Za-z_]\w*$")
 _STATEMENT = r'(?:"(?:\\.|[^"\\\n])*"|[^;"])'
 """Part of a statement: a literal, which may have a semicolon, or another character."""
-_STATEMENT_START = 300  # most characters of a declaration before the name
+_STATEMENT_START, _STATEMENT_END = 300, 4000  # most characters of a declaration before and after the name
 _QUALIFIERS = r"(?:(?:static|const|constexpr|inline|mutable)\s+)*"
 TYPES: Mapping[str, str] = {
     "bool": "bool",
@@ -289,12 +289,14 @@ def first_values(texts: Sequence[str], name: str) -> str | None:
         rf"(?:=\s*(?P<a>{_STATEMENT}+);|\{{(?P<b>[^;]*)\}}\s*;|\((?P<c>\"[^;]*)\)\s*;)"
     )
     defined = re.compile(rf"^\s*#define\s+{escaped}\s+(?P<d>\"[^\n]*\"|[-\d.]+)\s*$", re.MULTILINE)
-    named = [(text, max(0, text.find(name) - _STATEMENT_START)) for text in texts if name in text]
-    for pattern in (of_constructor, declared, defined):
-        for text, start in named:
-            if match := pattern.search(text, start):
+    given = re.compile(rf"\b{escaped}\s*(?:\[\]\s*)?[=({{]")
+    places = [(text, found.start()) for text in texts if name in text for found in given.finditer(text)]
+    for pattern in (of_constructor, declared):
+        for text, place in places:
+            if match := pattern.search(text, max(0, place - _STATEMENT_START), place + _STATEMENT_END):
                 return next((value.strip() for value in match.groups() if value is not None), None)
-    return None
+    found = next(filter(None, (defined.search(text) for text in texts if name in text)), None)
+    return found["d"].strip() if found else None
 
 
 def declared_type(texts: Sequence[str], name: str) -> str | None:

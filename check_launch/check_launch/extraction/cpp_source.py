@@ -14,6 +14,9 @@ from dataclasses import dataclass
 _TOKENS = re.compile(
     r'R"(?P<mark>[^()\s\\]{0,16})\((?:.|\n)*?\)(?P=mark)"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|//[^\n]*|/\*(?:.|\n)*?\*/'
 )
+_SPACES = re.compile(r"\s*")
+_BRACKETS = re.compile(r"[\"'()\[\]{}]")
+_BLOCKS = re.compile(r"[\"'{}();]")
 _NAMESPACE = re.compile(r"\bnamespace\s+([\w:]+)\s*$")
 _CLASS = re.compile(r"\b(?:class|struct)\s+(?:[A-Z_]+\s+)?(\w+)\s*(?:final\s*)?(?::(?!:)\s*(?P<bases>.*))?$", re.DOTALL)
 _FUNCTION = re.compile(r"([\w:]*\w)(?:<[^<>()]*>)?::~?\w+\s*[(\0]")
@@ -88,9 +91,8 @@ class CppSource:
                 if end is None:
                     continue
                 template = " ".join(self.text[position + 1 : end].split())
-                position = end + 1
                 # a variable that is constructed, such as `Subscriber<T> sub(...)`, is no call
-                position += len(self.text[position:]) - len(self.text[position:].lstrip())
+                position = _SPACES.match(self.text, end + 1).end()  # type: ignore[union-attr]  # it may be empty
             if self.text[position : position + 1] != "(":
                 continue
             if (end := self._closing(position)) is None:
@@ -106,15 +108,14 @@ class CppSource:
 
     def _closing(self, opening: int) -> int | None:
         depth, position = 0, opening
-        while position < len(self.text):
-            character = self.text[position]
+        while match := _BRACKETS.search(self.text, position):
+            position, character = match.end(), match[0]
             if character in "\"'":
-                position = _end_of_literal(self.text, position)
+                position = _end_of_literal(self.text, match.start())
                 continue
-            depth += (character in "([{") - (character in ")]}")
+            depth += 1 if character in "([{" else -1
             if depth == 0:
-                return position
-            position += 1
+                return match.start()
         return None
 
     def _read_blocks(self) -> None:
@@ -122,8 +123,8 @@ class CppSource:
         stack: list[tuple[str, str, int]] = []  # kind, qualified name, start
         start, position, text, function = 0, 0, self.text, ""
         depth, is_odd = 0, False  # depth of the parentheses around the position
-        while position < len(text):
-            character = text[position]
+        while match := _BLOCKS.search(text, position):
+            position, character = match.start(), match[0]
             if character in "\"'":
                 position = _end_of_literal(text, position)
                 continue

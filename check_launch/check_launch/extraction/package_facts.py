@@ -13,6 +13,7 @@ from check_launch.extraction.class_facts import ClassFacts, EndpointFact, Parame
 from check_launch.extraction.cmake_files import built_by
 from check_launch.extraction.plugin_descriptions import plugins_of_package
 from check_launch.extraction.python_nodes import python_nodes
+from check_launch.extraction.source_texts import texts_of_sources
 
 _VERSION = re.compile(r"<version>\s*([\w.-]+)\s*</version>")
 
@@ -29,6 +30,10 @@ class PackageFacts:
     plugins: dict[str, Plugin] = field(default_factory=dict)
     is_partial: bool = False
     """True if the package may have more executables."""
+    build_words: list[str] = field(default_factory=list)
+    """Words in the build files."""
+    texts: list[str] = field(default_factory=list)
+    """Texts in the sources that may be names."""
 
     def stored(self) -> Any:
         """Return the facts as JSON values, from which `from_stored` makes them again."""
@@ -83,4 +88,6 @@ def read_package(folder: Path) -> PackageFacts:
         built.components,
         dict(plugins_of_package(folder)),
         built.is_partial,
+        sorted(built.words),
+        sorted(texts_of_sources(folder)),
     )

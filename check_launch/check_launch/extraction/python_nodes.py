@@ -9,7 +9,7 @@ import ast
 import re
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -158,6 +158,9 @@ class _Module:
                 reader.call(part)
         unknown = [base for base in bases if "::" not in base and "." not in base and base not in ("object", "ABC")]
         facts.is_partial = facts.is_partial or bool(unknown)
+        # Descriptors may stand anywhere in the file.
+        if any(getattr(part, "arg", getattr(part, "attr", "")) == "dynamic_typing" for part in ast.walk(self._tree)):
+            facts.parameters = {key: replace(fact, type="") for key, fact in facts.parameters.items()}
         return facts
 
     def _type(self, node: ast.expr | None) -> str:

@@ -128,6 +128,10 @@ class ParameterView:
         """Return true if a parameter of a group, such as ``voxel_layer``, is given."""
         return any(given.startswith(f"{name}.") for given in self.given)
 
+    def is_in_sources(self, name: str) -> bool:
+        """Return true if a text in the sources of the node may name the parameter in a way that was not understood."""
+        return bool({name, name.rpartition(".")[2]} & self.facts.other_texts)
+
     def is_misspelt(self, name: str) -> bool:
         """Return true for the misspelling of a parameter that is known and not given."""
         return any(other not in self.given for other in misspelt(name, self.exact))
@@ -166,7 +170,9 @@ class ParameterView:
 
         def replaced(match: re.Match[str]) -> str:
             nonlocal unknown
-            value = self.value(prefix + match[1])
+            name = prefix + match[1]
+            # A file that is not here may give a value, so that the default of a topic or frame is not known to hold.
+            value = UNKNOWN if self.is_partial and name not in self.given else self.value(name)
             if value is None or value == "":
                 value = match[2] if match[2] is not None else value
             if value is UNKNOWN or value is None:

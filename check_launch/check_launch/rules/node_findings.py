@@ -142,7 +142,7 @@ def _of_static_transform(node: RunningNode) -> Iterator[Diagnostic]:
         message = f"static_transform_publisher gets {counted(len(texts), 'word')}; it takes 8 or 9{period}"
         yield RefusedArguments.at(at, message, help)
         return
-    wrong = next((word for word in texts[:numbers] if not _NUMBER.fullmatch(word)), None)
+    wrong = next((word for word in texts[:numbers] if not _NUMBER.match(word.strip())), None)
     if wrong is not None:
         is_period = numbers == 7 and _NUMBER.fullmatch(texts[-1])  # x y z and a quaternion
         period = "; ROS 2 takes no period at the end" if is_period else ""

@@ -39,6 +39,8 @@ _OF_LIBRARIES = re.compile(
     r"|.*\.(?:compressed|compressedDepth|ffmpeg|theora|zstd)\..*|.*\.enable_pub_plugins"
 )
 """Parameters that the client libraries, diagnostic_updater and the publishers of image_transport declare."""
+_KEY = ".ros__parameters."
+"""Part of the name of a parameter in a section that stands in another one."""
 _TYPES: dict[str, type | tuple[type, ...]] = {"bool": bool, "integer": int, "double": float, "string": str}
 _MOST_UNKNOWN = 200
 """Unknown parameters of a node that are reported one by one: each search for the likely name takes milliseconds."""
@@ -112,14 +114,20 @@ def view_findings(
     for finding in _of_plugins(view):
         yield as_hint(finding) if view.is_partial and system is not None else finding
     unknown: list[GivenValue] = []
+    nested: dict[str, GivenValue] = {}
     for given in view.given.values():
         if (given.name, given.place) in without:
             continue
         parameter = view.known(given.name)
         if parameter is not None:
             yield from _wrong_value(given, parameter)
+        elif _KEY in given.name:
+            nested.setdefault(given.name.partition(_KEY)[0], given)
         elif not _OF_LIBRARIES.fullmatch(given.name):
             unknown.append(given)
+    for section, given in nested.items():
+        message = f"the section '{section}' stands in the parameters of {shown}, so that it has no effect"
+        yield MisplacedParameter.at(given.place, message, f"move '{section}' out of '{shown}'")
     found = (view.unlisted(given.name) for given in unknown if not view.is_open(given.name))
     for group, listed in dict.fromkeys(filter(None, found)):
         inside = [given for given in unknown if given.name.startswith(f"{group}.")]
@@ -135,7 +143,7 @@ def view_findings(
         if view.is_open(given.name) and not near:
             continue  # perhaps a parameter of a class that is not known
         finding = _unknown(given, shown, view, system)
-        yield as_hint(finding) if is_unsure and not near else finding
+        yield as_hint(finding) if (is_unsure and not near) or view.is_in_sources(given.name) else finding
     if rest := [given for given in unknown[_MOST_UNKNOWN:] if not view.is_open(given.name)]:
         message = f"{shown} has no parameter '{rest[0].name}', and none of {len(rest) - 1} more"
         finding = UnknownParameter.at(rest[0].place, message)

@@ -17,6 +17,7 @@ from check_launch.rules.launch_rules import (
     UnknownExecutable,
     UnknownPackage,
     UnknownPlugin,
+    as_hint,
 )
 from check_launch.rules.rviz_files import read_rviz_file
 from check_launch.rules.stated_facts import stated_facts
@@ -248,9 +249,8 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System, dependenc
     if executable not in known.executables:
         names = ", ".join(known.executables) or "none"
         help = did_you_mean(nearest(executable, known.executables), f"executables of {package}: {names}")
-        system.findings.append(
-            UnknownExecutable.at(at, f"the package '{package}' has no executable '{executable}'", help)
-        )
+        finding = UnknownExecutable.at(at, f"the package '{package}' has no executable '{executable}'", help)
+        system.findings.append(as_hint(finding) if executable in known.build_words else finding)
         system.has_unknown = True
         return None
     facts = catalogue.classes.get(known.executables[executable])

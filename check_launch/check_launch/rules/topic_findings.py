@@ -15,6 +15,7 @@ from check_launch.rules.launch_rules import (
     TopicFromOutside,
     TopicWithoutPublisher,
     TopicWithoutSubscriber,
+    as_hint,
 )
 from check_launch.rules.system import (
     MAP_UPDATES,
@@ -320,4 +321,7 @@ def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnos
     wanted = full_name(source, nodes[0])
     near = nearest(wanted, known)
     help = did_you_mean(near if source.startswith("/") else near.removeprefix(f"{nodes[0].namespace}/"))
-    return RemappingOfUnknownTopic.at(rule.place, f"{nodes[0].name} has no topic, service or action '{source}'", help)
+    message = f"{nodes[0].name} has no topic, service or action '{source}'"
+    finding = RemappingOfUnknownTopic.at(rule.place, message, help)
+    texts = {text.strip("~/") for node in nodes if node.facts for text in node.facts.other_texts}
+    return as_hint(finding) if source.strip("~/") in texts else finding
