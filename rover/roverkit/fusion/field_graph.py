@@ -20,7 +20,7 @@ same, so they tell nothing new. The graph grows with the distance that the rover
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Mapping
 from statistics import median
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -34,7 +34,7 @@ from roverkit.fusion.landmark_agreement import agreeing
 from roverkit.fusion.odometry_track import OdometryPoint
 from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, squared_distance, squared_way
 from roverkit.fusion.slipping_motion import ERRORS, pose_of, state_of
-from roverkit.gating import Reasons, gate_limit
+from roverkit.gating import Reasons, chi_squared_tail, gate_limit
 
 _APART_M = 0.25
 _APART_RAD = 0.15
@@ -45,6 +45,15 @@ _STEP_M = 1.0
 """Distance on the way to the next input after which the graph gets a pose."""
 _SEVERAL = 3
 """Sightings that must agree with each other before they contradict what is known about a landmark."""
+_RECENT = 10
+"""Sightings of which the sum of the squared innovations is compared with chance."""
+_UNLIKELY = 1e-6
+"""Probability of this sum from which chance does not explain it: there is a sum for each sighting of a long drive."""
+CAUSES = (
+    "the wheels slip more than `slip` says, the rover was pushed, the gyroscope has another bias or scale, or the "
+    "mount of a camera is wrong"
+)
+"""Causes of a pose that several landmarks contradict."""
 _ENOUGH = 2
 """Landmarks that must agree before there is a pose, if the survey has more: a single one may have been moved."""
 _HELD = gtsam.noiseModel.Isotropic.Sigma(3, 1e-3)
@@ -92,6 +101,8 @@ class FieldGraph(Generic[T]):
         self._seen: Counter[T] = Counter()
         self._strange: dict[T, list[_Sighting]] = {}
         self._misfits: dict[T, list[_Misfit]] = {}
+        self._recent = deque[float](maxlen=_RECENT)
+        """Squared innovations of the last sightings, up to the limit of the gate: one alone never counts for much."""
         self._last: OdometryPoint | None = None
         self._last_seen: frozenset[T] = frozenset()
         self._used: dict[T, OdometryPoint] = {}
@@ -231,12 +242,21 @@ class FieldGraph(Generic[T]):
     def _fits(self, landmark: T, sight: PlanarGaussian) -> bool:
         """Return true if a place on the field by a sighting is that of the landmark."""
         known = self._known(landmark)
+        squared = squared_distance(known, sight)
+        self._watch(squared)
         return self._reasons.passes(
             f"sighting of landmark {landmark} left out: its number may be wrong, or it or the rover was moved",
-            squared_distance(known, sight),
+            squared,
             3,
             f"it is {known.pose.distance_to(sight.pose):.2f} m beside its place",
         )
+
+    def _watch(self, squared: float) -> None:
+        """Say so if the last sightings together are further beside their places than chance allows."""
+        self._recent.append(min(squared, gate_limit(3)))
+        if len(self._recent) == _RECENT and chi_squared_tail(sum(self._recent), 3 * _RECENT) < _UNLIKELY:
+            self._reasons.tell(f"the last sightings fit worse than chance allows: {CAUSES}")
+            self._recent.clear()
 
     def _agreeing(self, landmark: T, sighting: _Sighting, sight: PlanarGaussian) -> list[_Sighting]:
         """Return the sightings that do not fit what is known, and that agree with the last one by the odometry.

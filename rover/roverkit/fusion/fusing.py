@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from roverkit.driving.geodesy import Datum
-from roverkit.fusion.field_graph import FieldGraph
+from roverkit.fusion.field_graph import CAUSES, FieldGraph
 from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY, TRANSFORM
 from roverkit.fusion.gtsam_library import is_unsolvable
 from roverkit.fusion.odometry_track import KEPT_NS, PLANAR, OdometryPoint, OdometryTrack, UnknownCovariance, point_of
@@ -236,10 +236,7 @@ class Fusion:
     def _see(self, detections: Mapping[TargetId, PlanarGaussian], point: OdometryPoint) -> None:
         self._graph.see(detections, point)
         if self._graph.is_lost:
-            self.reasons.tell(
-                "no landmark fits any more: the wheels slip more than `slip` says, the rover was pushed, the gyroscope "
-                "has another bias or scale, or the mount of a camera is wrong; beginning again"
-            )
+            self.reasons.tell(f"no landmark fits any more: {CAUSES}; beginning again")
             self._graph, self._moved = self._graph.begun_again(point), {}
 
     def _locate(self, position: Floats, covariance: Floats, point: OdometryPoint) -> None:

@@ -75,6 +75,8 @@ class DeadReckoning:
         self.knows_bias = False
         """True if the bias has been learned while the rover stood."""
         deviations = (0.0, 0.0, 0.0, noise.gyro_bias, 1.0, noise.gyro_scale, noise.mean_slip)
+        self.new_yaw_variance = 0.0
+        """Variance of the last turn in rad^2 by errors that did not exist before it."""
         self._covariance: Matrix = [
             [deviation**2 if row == column else 0.0 for column in range(_STATES)]
             for row, deviation in enumerate(deviations)
@@ -176,6 +178,7 @@ class DeadReckoning:
         along = self.noise.slip**2 * abs(distance) + variance
         side = self.noise.side_slip**2 * abs(distance)
         covariance = self._covariance
+        self.new_yaw_variance = yaw_variance + along * curvature**2
         # On an arc that is longer than reported, the rover has turned further as well.
         errors = (
             (along, (cosine, sine, curvature)),

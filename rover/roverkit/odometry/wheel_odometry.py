@@ -65,8 +65,8 @@ class WheelOdometry:
         self._gyroscope = _Gyroscope()
         self._curvature: float | None = 0.0
         self._yaw_rate = 0.0
-        self._unseen = 0.0
-        """Variance of the angular velocity because of lost readings."""
+        self._yaw_rate_variance = self.noise.gyro_noise**2 / _REGULAR_S
+        """Variance of the angular velocity without that of errors that stay the same."""
         self._reported_at: int | None = None
         self._compared = _Comparison()
         self._way = self._unsure = self._unsure_part = 0.0
@@ -139,13 +139,11 @@ class WheelOdometry:
         self._watch(rolled)
         turn = self._gyroscope.take_turn(rolled.until)
         if turn is None:
-            if rolled.distance:
-                self.uses_gyroscope = False
-                self._steer(rolled, seconds)
+            self._steer(rolled, seconds)
             return
         self.uses_gyroscope = True
         self._yaw_rate = turn.rate - self._reckoning.bias
-        self._unseen = turn.variance / seconds**2
+        self._yaw_rate_variance = (self.noise.gyro_noise**2 * seconds + turn.variance) / seconds**2
         stands = self._wheels.stands(rolled.until)
         if self._reckoning.knows_bias:
             self.reasons.give(_BIAS)
@@ -193,6 +191,9 @@ class WheelOdometry:
 
     def _steer(self, rolled: Rolled, seconds: float) -> None:
         """Move along the arc of the command, because the gyroscope sends nothing."""
+        if rolled.distance:
+            self.reasons.note("no angular velocity comes from the IMU; the turn is that of the steering")
+            self.uses_gyroscope = False
         if rolled.curvature is None:
             curvature, variance = 0.0, _UNKNOWN_CURVATURE**2 * abs(rolled.distance)
         else:
@@ -200,6 +201,7 @@ class WheelOdometry:
             variance = ((curvature - (self._curvature or 0.0)) * _STEERING_M) ** 2
         self._yaw_rate = rolled.distance * curvature / seconds
         self._reckoning.turn_by_steering(rolled, curvature, variance, seconds)
+        self._yaw_rate_variance = self._reckoning.new_yaw_variance / seconds**2
 
     def _estimate(self, now: int, unreported: float) -> OdometryEstimate:
         noise, speed = self.noise, self._wheels.speed * self.distance_scale
@@ -207,13 +209,10 @@ class WheelOdometry:
         for axis in range(2):
             covariance[axis][axis] += unreported**2
         moving = (math.hypot(noise.slip, self._unsure_part) * speed) ** 2 + SPEED_DEVIATION**2
-        turning = (
-            self._reckoning.bias_variance
-            + noise.gyro_noise**2 / _REGULAR_S
-            + self._unseen
-            + (noise.gyro_scale * self._yaw_rate) ** 2
+        turning = self._yaw_rate_variance + (
+            self._reckoning.bias_variance + (noise.gyro_scale * self._yaw_rate) ** 2
             if self.uses_gyroscope
-            else (noise.yaw_slip * speed) ** 2 / _STEERING_M + SPEED_DEVIATION**2
+            else SPEED_DEVIATION**2
         )
         silent = speed**2 if unreported else 0.0
         return OdometryEstimate(

@@ -155,9 +155,6 @@ class OdometryNode:
         self.reasons.give("odometry")
         if (estimate := self._odometry.progress(now, *report)) is None:
             return
-        if not self._odometry.uses_gyroscope:
-            topic = self._connection.topic(IMU.name)
-            self.reasons.note(f"no angular velocity comes on {topic}; the turn is that of the steering")
         if self._tape:
             self._tape.take(estimate)
         self._publish(estimate)

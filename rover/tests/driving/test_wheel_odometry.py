@@ -361,6 +361,10 @@ def test_without_a_gyroscope_the_steering_tells_the_turn() -> None:
     assert not without.odometry.uses_gyroscope
     assert abs(without.error()[2]) < 4 * math.sqrt(without.estimates[-1].covariance[2][2])
     assert without.estimates[-1].covariance[2][2] > 20 * with_gyro.estimates[-1].covariance[2][2]
+    assert [one for one in without.said if "no angular velocity" in one]
+    pairs = itertools.pairwise(without.estimates)
+    new = sum(later.yaw_rate_variance * ((later.at - one.at) / 1e9) ** 2 for one, later in pairs)
+    assert new == pytest.approx(without.estimates[-1].covariance[2][2], rel=0.3)  # both tell the same about the turn
     without.faults = replace(without.faults, imu=True)
     before = without.estimates[-1].pose.yaw - without.model.pose.yaw
     without.command(BoardCommand(2.0, 1.0))

@@ -151,7 +151,7 @@ def test_without_an_imu_the_command_tells_the_turn(node: _Node) -> None:
     with_steering = node.found[-1]
     assert _yaw(with_steering) == pytest.approx(1.0, abs=0.35)
     assert with_steering.pose.covariance[35] > 100 * 1e-6
-    assert node.log == ["no angular velocity comes on /imu/data_raw; the turn is that of the steering"]
+    assert node.log == ["no angular velocity comes from the IMU; the turn is that of the steering"]
 
 
 def test_the_motors_tell_that_the_rover_rolls_on(node: _Node) -> None:

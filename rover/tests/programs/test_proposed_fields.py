@@ -88,7 +88,7 @@ def test_odometry_follows_the_odometer_of_a_simulated_rover(registry: Registry) 
         position = found[-1].pose.pose.position
         assert rover.rolled == pytest.approx(2)
         assert position.x == pytest.approx(2, abs=1e-3)
-        assert node.log == ["no angular velocity comes on /imu/data_raw; the turn is that of the steering"]
+        assert node.log == ["no angular velocity comes from the IMU; the turn is that of the steering"]
 
 
 def test_a_lost_stop_is_sent_again_until_the_board_has_taken_it(registry: Registry) -> None:
