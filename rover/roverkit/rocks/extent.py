@@ -43,6 +43,7 @@ _BINS = 24
 """Number of parts of the length in which the height along and across the line is looked at."""
 _MIDDLE = 0.35  # distance from the other axis, as a fraction of the length, up to which this is done
 _RISE = 0.12  # part of the rock's height: a smaller rise is a rough surface
+_SURELY_TWO = 0.5  # part of the rise that is enough if what stands at the line is too wide for one rock
 _GAP = 0.1  # part of the length: a larger gap is between two rocks
 
 
@@ -81,8 +82,12 @@ def extent_of(segment: Segment, ground: Ground, ends: Floats, rays: Floats, imag
     points, shadow = segment.points - middle, ground.meet(segment.directions) - middle
     x, y, heights = points @ along, points @ across, points @ ground.normal
     left, right = _alone(x, heights, np.abs(y) < _MIDDLE * length, segment.lowest, length)
-    near, far = _alone(y, heights, np.abs(x) < _MIDDLE * length, segment.lowest, length)
-    own = (x >= left) & (x <= right) & (y >= near) & (y <= far)
+    for rise in (1.0, _SURELY_TWO):
+        near, far = _alone(y, heights, np.abs(x) < _MIDDLE * length, segment.lowest, length, rise)
+        own = (x >= left) & (x <= right) & (y >= near) & (y <= far)
+        front, back = _range(y[own])
+        if back - front <= length:
+            break
     if not own.any() or float(np.quantile(heights[own], 0.95)) < _LOW * segment.lowest:
         raise UnmeasurableError(
             Unmeasurable.NO_ROCK,
@@ -95,9 +100,7 @@ def extent_of(segment: Segment, ground: Ground, ends: Floats, rays: Floats, imag
     # A low end begins to stand out at a distance from the true end, which is at most twice this height.
     reach = max(_REACH * span, _REACH_PX, 2 * segment.lowest * span / length)
     shown = [_surface_at(end, segment.pixels[own], heights[own], span, reach) for end in ends]
-    begin, end = (float(value) for value in np.quantile(x[own], (_OUTLIERS, 1 - _OUTLIERS)))
-    front, back = (float(value) for value in np.quantile(y[own], (_OUTLIERS, 1 - _OUTLIERS)))
-    _check(begin, end, back - front, length)
+    _check(*_range(x[own]), back - front, length)
     behind = float(np.max(np.nan_to_num(shadow[own] @ across, nan=np.inf)))
     return Extent(
         _length(ground, farthest, np.array(shown)),
@@ -173,13 +176,22 @@ def _mismatch(what: str) -> UnmeasurableError:
     return UnmeasurableError(Unmeasurable.LINE_MISMATCH, f"{what}; draw the line from one end of one rock to the other")
 
 
+def _range(places: Floats) -> tuple[float, float]:
+    """Return the least and the largest place without outliers; NaN if there is none."""
+    if not places.size:
+        return math.nan, math.nan
+    least, largest = np.quantile(places, (_OUTLIERS, 1 - _OUTLIERS))
+    return float(least), float(largest)
+
+
 def _alone(
-    places: Floats, heights: Floats, looked_at: NDArray[np.bool_], least_rise: float, length: float
+    places: Floats, heights: Floats, looked_at: NDArray[np.bool_], least_rise: float, length: float, part: float = 1.0
 ) -> tuple[float, float]:
     """Return the interval of places, in metres from the line's middle, that one rock has.
 
     Rocks are nearly convex: the height of one rock along an axis never falls and rises again, and its surface has no
-    gap. The interval ends there, and is infinite where no other rock touches this one.
+    gap. The interval ends there, and is infinite where no other rock touches this one. A rise counts from
+    ``least_rise`` in metres, or from a part of the highest place, both times ``part``.
     """
     size = length / _BINS
     bins, tops = np.round(places[looked_at] / size).astype(int), heights[looked_at]
@@ -196,7 +208,7 @@ def _alone(
             if abs(place - last) * size > _GAP * length:
                 limit = (place + last) / 2 * size
                 break
-            if top[place] > top[lowest] + max(least_rise, _RISE * highest):
+            if top[place] > top[lowest] + part * max(least_rise, _RISE * highest):
                 limit = lowest * size
                 break
             lowest, last = min(lowest, place, key=lambda one: top[one]), place
