@@ -136,6 +136,7 @@ def _config(variable: str, defaults: Mapping[str, object]) -> Any:
 
 
 def _open(config: Any) -> Any:
+    zenoh.try_init_log_from_env()  # RUST_LOG=info shows what zenoh refuses, and why
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
