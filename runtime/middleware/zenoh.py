@@ -126,8 +126,7 @@ class ZenohSubscription:
         return [self.waiting.popleft() for _ in range(min(most, len(self.waiting)))]
 
     def _is_late(self, data: Any) -> bool:
-        attachment = None if data is None or self._delays is None else Attachment.unpacked(data.to_bytes())
-        if attachment is None or self._delays is None:
+        if data is None or self._delays is None or (attachment := Attachment.unpacked(data.to_bytes())) is None:
             return False
         return self._delays[attachment.gid].of(attachment.sent, time.monotonic_ns()) > LATE_NS
 
