@@ -135,7 +135,8 @@ def _config(variable: str, defaults: Mapping[str, object]) -> Any:
 
 
 def _open(config: Any) -> Any:
-    zenoh.try_init_log_from_env()  # RUST_LOG=info shows what zenoh refuses, and why
+    # RUST_LOG=info shows what zenoh refuses, and why.
+    zenoh.try_init_log_from_env()  # type: ignore[no-untyped-call]  # zenoh's stub does not say that it returns nothing
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
