@@ -177,8 +177,8 @@ def _number(type: str, text: str) -> int | float | None:
             number = int(text) if len(text) <= _LONGEST_NUMBER else None
             return number if number is not None and room[0] <= number <= room[1] else None
         value = float(text)
-        # Raises OverflowError for a double that is too large for a float.
-        struct.pack("f" if kind == "float32" else "d", value)
+        # Raises OverflowError for a double that is too large for a float. Before Python 3.14, a native "f" does not.
+        struct.pack("<f" if kind == "float32" else "<d", value)
     except (ValueError, OverflowError):
         return None
     return value if math.isfinite(value) else None

@@ -158,4 +158,4 @@ def dds_cure() -> str:
         lacking, cure = platform.machine(), ""
     else:
         return "install it with `pip install cyclonedds`"
-    return f"it has no wheel for {lacking}: {cure}use --middleware rclpy with an installed ROS 2"
+    return f"it has no wheel for {lacking}: {cure}use --middleware rclpy with an installed ROS 2, or --middleware zenoh"

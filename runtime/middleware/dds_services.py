@@ -28,15 +28,13 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from roverlink.runtime.core import cdr
-from roverlink.runtime.core.handler import Qos
 from roverlink.runtime.core.messages import Int64, Message, UInt64
 from roverlink.runtime.middleware.cyclone import EVERYTHING, RawReader, RawWriter
 from roverlink.runtime.middleware.dds_types import dds_qos, dds_type
 from roverlink.runtime.middleware.discovery import GraphAnnouncer
-from roverlink.runtime.middleware.parameter_services import Service, answering
+from roverlink.runtime.middleware.parameter_services import PARAMETERS_QOS, Service, answering
 from roverlink.runtime.middleware.protocol import Respond
 
-_QOS = Qos(depth=1000)  # rmw_qos_profile_parameters
 _TAKE = 16  # most requests taken at a time
 _MATCH_S = 0.1  # longest wait for the client's reader, as in rmw_cyclonedds_cpp
 _LOOK_S = 0.01
@@ -133,8 +131,8 @@ class _Endpoints:
         topics: list[Topic[Any]] = [
             Topic(participant, name, dds_type(_with_header(message_type))) for name, message_type in (written, read)
         ]
-        self.writer = DataWriter(participant, topics[0], qos=dds_qos(_QOS, writing=True))
-        self.reader = DataReader(participant, topics[1], qos=dds_qos(_QOS, writing=False))
+        self.writer = DataWriter(participant, topics[0], qos=dds_qos(PARAMETERS_QOS, writing=True))
+        self.reader = DataReader(participant, topics[1], qos=dds_qos(PARAMETERS_QOS, writing=False))
         self.condition = ReadCondition(self.reader, EVERYTHING)
         self.raw_reader, self.raw_writer = RawReader(self.reader), RawWriter(self.writer)
         announcer.add_writer(self.writer)

@@ -30,18 +30,11 @@ from roverlink.runtime.core.messages import (
 )
 from roverlink.runtime.middleware.cyclone import COMPILER, DescribedType, WriterBatching, describe
 from roverlink.runtime.middleware.dds_names import dds_type_name
+from roverlink.runtime.middleware.serving import KEPT_TO_READ
 from roverlink.user_cache import CacheFile
 
 _MAX_BLOCKING = 0  # ns that a reliable write may block for slow readers; a blocked bridge loses datagrams
 _UNLIMITED = -1
-_KEPT_TO_READ = 256
-"""Smallest history depth of our readers, in samples.
-
-The thread that takes samples may have to wait some milliseconds for a processor core. In this time more samples can
-arrive than a history of the usual depth (10) holds. Cyclone DDS also announces the larger depth to other nodes, instead
-of the depth in the table: the resource limits can only lower the number of samples that it keeps, and DDS forbids
-changing the depth of an existing reader.
-"""
 
 _DDS_TYPES: dict[str, Any] = {
     "bool": bool,
@@ -69,7 +62,9 @@ def dds_qos(qos: Qos, writing: bool, type_hash: str = "", exact_depth: bool = Fa
     """
     reliable = qos.reliability == "reliable"
     latched = qos.durability == "transient_local"
-    depth = qos.depth if writing or exact_depth else max(qos.depth, _KEPT_TO_READ)
+    # Cyclone DDS announces the larger depth to other nodes, too: the resource limits can only lower the number of
+    # samples that it keeps, and DDS forbids changing the depth of an existing reader.
+    depth = qos.depth if writing or exact_depth else max(qos.depth, KEPT_TO_READ)
     history: Any = Policy.History.KeepAll if qos.history == "keep_all" else Policy.History.KeepLast(depth)
     policies = [
         Policy.Reliability.Reliable(_MAX_BLOCKING) if reliable else Policy.Reliability.BestEffort,

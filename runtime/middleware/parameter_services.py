@@ -18,7 +18,7 @@ from roverlink.runtime.interfaces import Time
 from roverlink.runtime.interfaces import rcl_interfaces as rcl
 from roverlink.runtime.middleware.protocol import Middleware, NodeIdentity, NodeParameters, Respond
 
-_EVENTS = Qos(depth=1000)  # rmw_qos_profile_parameter_events
+PARAMETERS_QOS = Qos(depth=1000)  # rmw_qos_profile_parameters and rmw_qos_profile_parameter_events
 _VALUE_FIELDS = {
     rcl.ParameterValue.BOOL: "bool_value",
     rcl.ParameterValue.INTEGER: "integer_value",
@@ -121,7 +121,7 @@ def answering(service: Service) -> Callable[[bytes, Respond], None]:
 
 def parameter_events(middleware: Middleware, node: NodeIdentity) -> Callable[[Sequence[rcl.Parameter]], None]:
     """Return a function that publishes changed parameters of a node, as every ROS 2 node does."""
-    events = middleware.publisher("/parameter_events", rcl.ParameterEvent, _EVENTS)
+    events = middleware.publisher("/parameter_events", rcl.ParameterEvent, PARAMETERS_QOS)
 
     def publish(changed: Sequence[rcl.Parameter]) -> None:
         stamp = Time.since_1970(time.time_ns())

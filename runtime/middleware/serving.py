@@ -16,6 +16,12 @@ from roverlink.runtime.native.lending import LentTopic
 _TAKE = 64  # most messages taken at a time
 _TAKE_BEHIND = 8  # the same for a topic of low priority: urgent topics wait until these are handled
 _END_S = 2.0  # far longer than a thread needs that does not hang
+KEPT_TO_READ = 256
+"""Smallest number of messages that a subscription keeps until our thread takes them.
+
+The thread may have to wait some milliseconds for a processor core. In this time more messages can arrive than a history
+of the usual depth (10) holds.
+"""
 
 
 class Reader(Protocol):

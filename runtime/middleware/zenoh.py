@@ -29,7 +29,12 @@ from roverlink.runtime.core.messages import Message
 from roverlink.runtime.core.type_hash import service_hash, type_hash
 from roverlink.runtime.middleware.dds_names import dds_type_name
 from roverlink.runtime.middleware.late_messages import LATE_NS, Delay
-from roverlink.runtime.middleware.parameter_services import ParameterServices, answering, parameter_events
+from roverlink.runtime.middleware.parameter_services import (
+    PARAMETERS_QOS,
+    ParameterServices,
+    answering,
+    parameter_events,
+)
 from roverlink.runtime.middleware.protocol import (
     Callback,
     Endpoint,
@@ -39,7 +44,7 @@ from roverlink.runtime.middleware.protocol import (
     Respond,
 )
 from roverlink.runtime.middleware.ros_domain import ros_domain
-from roverlink.runtime.middleware.serving import ServedTopic, has_ended, serve
+from roverlink.runtime.middleware.serving import KEPT_TO_READ, ServedTopic, has_ended, serve
 from roverlink.runtime.middleware.zenoh_config import open_session, reason_of
 from roverlink.runtime.middleware.zenoh_graph import ZenohGraph
 from roverlink.runtime.middleware.zenoh_keys import (
@@ -56,14 +61,12 @@ from roverlink.runtime.middleware.zenoh_keys import (
 )
 
 _HEARTBEAT_S = 0.5  # as in rmw_zenoh
-_KEPT_TO_READ = 256  # smallest number of messages that wait for our thread, as in `dds_types`
 # Between two rounds of our thread, so that it takes the messages of a flood together. Two threads that hand each other
 # the interpreter for every message spend twice the CPU.
 _ROUND_S = 0.002
 _SWITCH_S = 0.0005  # longest wait of zenoh's threads for the interpreter, once for each message; Python's own is 5 ms
 _WARN_S = 2.0
 _NAMED = 3  # topics in a warning
-_SERVICES_DEPTH = 1000  # rmw_qos_profile_parameters
 
 _Later = Callable[[Callable[[], None]], None]
 
@@ -97,7 +100,7 @@ class ZenohSubscription:
         wake: Callable[[ZenohSubscription], None],
         has_publishers: Callable[[], bool],
     ) -> None:
-        depth = None if qos.history == "keep_all" else qos.depth if exact_depth else max(qos.depth, _KEPT_TO_READ)
+        depth = None if qos.history == "keep_all" else qos.depth if exact_depth else max(qos.depth, KEPT_TO_READ)
         self.waiting: deque[bytes] = deque(maxlen=depth)
         self.topic, self._late, self._wake, self.has_publishers = topic, late, wake, has_publishers
         # What was published before the subscription began is wanted, and old.
@@ -126,8 +129,7 @@ class ZenohSubscription:
         return [self.waiting.popleft() for _ in range(min(most, len(self.waiting)))]
 
     def _is_late(self, data: Any) -> bool:
-        attachment = None if data is None or self._delays is None else Attachment.unpacked(data.to_bytes())
-        if attachment is None or self._delays is None:
+        if data is None or self._delays is None or (attachment := Attachment.unpacked(data.to_bytes())) is None:
             return False
         return self._delays[attachment.gid].of(attachment.sent, time.monotonic_ns()) > LATE_NS
 
@@ -309,7 +311,7 @@ class ZenohMiddleware(Middleware):
 
     def _service(self, kind: str, name: str, request: type[Message], response: type[Message]) -> Entity:
         service = request.__msgtype__.removesuffix("_Request")
-        return self._entity(kind, name, service, service_hash(request, response), Qos(depth=_SERVICES_DEPTH))
+        return self._entity(kind, name, service, service_hash(request, response), PARAMETERS_QOS)
 
     def _entity(self, kind: str, name: str = "", type: str = "", hash: str = "", qos: Qos = DEFAULT_QOS) -> Entity:
         session = str(self._session.zid())

@@ -15,7 +15,6 @@ from roverlink.runtime.core.errors import MiddlewareError
 
 SESSION_FILE, ROUTER_FILE = "ZENOH_SESSION_CONFIG_URI", "ZENOH_ROUTER_CONFIG_URI"
 OVERRIDE = "ZENOH_CONFIG_OVERRIDE"
-ROUTER_ENDPOINT = "tcp/[::]:7447"
 _START = "start it with `roverlink zenoh-router` or `ros2 run rmw_zenoh_cpp rmw_zenohd`"
 # Reconnect within a second or two of the return of a link. rmw_zenoh waits up to 4 s, and ends a link that is silent
 # for a minute; zenoh's default is 10 s. What TCP has kept for an ended link is never delivered.
@@ -36,7 +35,7 @@ _SESSION: Mapping[str, object] = {
     "queries_default_timeout": 600_000,
     **_COMMON,
 }
-_ROUTER: Mapping[str, object] = {"listen/endpoints": [ROUTER_ENDPOINT], "scouting/delay": 0, **_COMMON}
+_ROUTER: Mapping[str, object] = {"listen/endpoints": ["tcp/[::]:7447"], "scouting/delay": 0, **_COMMON}
 _OVERRIDDEN = re.compile(r'\s*([\w/]+)=((?:"[^"]*"|[^";])*)(?:;|$)')
 """One value of ``ZENOH_CONFIG_OVERRIDE``: ``mode="client";connect/endpoints=["tcp/10.0.0.5:7447"]``."""
 
@@ -136,6 +135,8 @@ def _config(variable: str, defaults: Mapping[str, object]) -> Any:
 
 
 def _open(config: Any) -> Any:
+    # RUST_LOG=info shows what zenoh refuses, and why.
+    zenoh.try_init_log_from_env()  # type: ignore[no-untyped-call]  # zenoh's stub does not say that it returns nothing
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:

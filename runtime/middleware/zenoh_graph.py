@@ -61,10 +61,6 @@ class ZenohGraph:
         with self._lock:
             return {one.name: ros_type_name(one.type) for one in self._entities.values() if one.kind == PUBLISHER}
 
-    def close(self) -> None:
-        """Stop listening."""
-        self._subscriber.undeclare()
-
     def _take(self, sample: Any) -> None:
         token = str(sample.key_expr)
         entity = entity_of(token)

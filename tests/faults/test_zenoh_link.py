@@ -24,6 +24,7 @@ pytestmark = [
 
 _ROUTER = f"tcp/{BOARD}:7447"
 _HELD_BACK_S = 1.5  # the most that a command may be late: a second, and what a busy computer adds
+_BACK_S = 2.0  # after which a link is to work again
 # Publishes the time in seconds since the start of the test, twenty times a second, as the distance to go.
 _COMMANDER = """
 import sys, time
@@ -52,21 +53,26 @@ class _Rig(contextlib.ExitStack):
     def __enter__(self) -> _Rig:
         self.network = network = self.enter_context(Network())
         self.board = self.enter_context(contextlib.closing(inside(network.rover, lambda: bound(("127.0.0.1", 0)))))
-        self._start(network.board, "-m", "roverlink", "zenoh-router", "--listen", _ROUTER)
+        self._router = self._start(network.board, "-m", "roverlink", "zenoh-router", "--listen", _ROUTER)
         self._start(network.board, "-c", _COMMANDER, self.began)
         port = self.board.getsockname()[1]
         bridge = ("-m", "roverlink", "run", "--middleware", "zenoh", "--ros-args", "-p", f"dst_b_port:={port}")
         self._start(network.rover, *bridge)
         return self
 
-    def _start(self, namespace: str, *words: object) -> None:
-        """Run Python in a namespace, again and again until it finds the router."""
+    def _start(self, namespace: str, *words: object) -> subprocess.Popen[bytes]:
+        """Run Python in a namespace, again and again until it finds the router; return the shell that does so."""
         command = ["ip", "netns", "exec", namespace, "sh", "-c", 'until "$@"; do sleep 0.2; done', "x", sys.executable]
         process = subprocess.Popen(
             [*command, *map(str, words)], env=self._environment, cwd=Path(__file__).parents[2], start_new_session=True
         )
         self.callback(lambda: (ip("netns", "pids", namespace), process.wait()))
         self.callback(lambda: subprocess.run(["kill", "-9", "--", f"-{process.pid}"], check=False))
+        return process
+
+    def kill_router(self) -> None:
+        """Kill the router, which is then started again."""
+        subprocess.run(["pkill", "-KILL", "-P", str(self._router.pid)], check=True)
 
     def commands(self) -> Iterator[tuple[float, float]]:
         """The commands that have come to the board: when each was given, and how old it is; a stop is given at 0."""
@@ -92,5 +98,19 @@ def test_no_command_of_a_gap_is_obeyed(environment: dict[str, str], cut_s: float
         back = time.monotonic()
         found: list[tuple[float, float]] = []
         wait_until(lambda: found.extend(one for one in rig.commands() if one[0]) or len(found) > 20, "new commands")
-        print(f"back after {found[0][0] + found[0][1] + rig.began - back:.2f} s, ages {found[:3]}")
+        back_after = sum(found[0]) + rig.began - back
+        print(f"back after {back_after:.2f} s, ages {found[:3]}")
+        assert back_after < 10 * _BACK_S
+        assert max(age for _, age in found) < _HELD_BACK_S
+
+
+@pytest.mark.slow
+def test_a_router_that_is_killed_and_runs_again_delivers_new_commands_only(environment: dict[str, str]) -> None:
+    """Bridge and commander survive it; the board is told to stop, and then gets new commands."""
+    with _Rig(environment) as rig:
+        wait_until(lambda: any(given for given, _ in rig.commands()), "a command")
+        rig.kill_router()
+        wait_until(lambda: any(given == 0 for given, _ in rig.commands()), "the stop")
+        found: list[tuple[float, float]] = []
+        wait_until(lambda: found.extend(one for one in rig.commands() if one[0]) or len(found) > 20, "new commands")
         assert max(age for _, age in found) < _HELD_BACK_S

@@ -50,25 +50,34 @@ def absent(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("name", "machine", "packages", "said"),
+    ("name", "python", "machine", "packages", "said"),
     [
-        ("rclpy", "x86_64", ["rclpy"], ["rclpy cannot be imported", "source /opt/ros/humble/setup.bash"]),
-        ("dds", "x86_64", ["cyclonedds"], ["Cyclone DDS cannot be imported", "pip install cyclonedds"]),
+        ("rclpy", 13, "x86_64", ["rclpy"], ["rclpy cannot be imported", "source /opt/ros/humble/setup.bash"]),
+        ("dds", 13, "x86_64", ["cyclonedds"], ["Cyclone DDS cannot be imported", "pip install cyclonedds"]),
         # Where there is no wheel of Cyclone DDS, as on the Jetson, the error says what works instead.
-        ("dds", "aarch64", ["cyclonedds"], ["no wheel for aarch64", "--middleware rclpy"]),
-        ("auto", "x86_64", ["cyclonedds", "rclpy"], ["pip install cyclonedds"]),
-        ("zenoh", "x86_64", ["zenoh"], ["zenoh cannot be imported", "pip install eclipse-zenoh xxhash"]),
-        ("mqtt", "x86_64", [], ["unknown middleware 'mqtt' (known: auto, dds, rclpy, zenoh, memory)"]),
+        ("dds", 13, "aarch64", ["cyclonedds"], ["no wheel for aarch64", "--middleware rclpy"]),
+        ("dds", 14, "x86_64", ["cyclonedds"], ["no wheel for Python 3.14", "--middleware zenoh"]),
+        ("auto", 13, "x86_64", ["cyclonedds", "rclpy"], ["pip install cyclonedds"]),
+        ("zenoh", 13, "x86_64", ["zenoh"], ["zenoh cannot be imported", "pip install eclipse-zenoh xxhash"]),
+        ("mqtt", 13, "x86_64", [], ["unknown middleware 'mqtt' (known: auto, dds, rclpy, zenoh, memory)"]),
     ],
 )
 def test_a_middleware_that_is_not_there_is_told(
-    absent: Any, monkeypatch: pytest.MonkeyPatch, name: str, machine: str, packages: list[str], said: list[str]
+    absent: Any,
+    monkeypatch: pytest.MonkeyPatch,
+    name: str,
+    python: int,
+    machine: str,
+    packages: list[str],
+    said: list[str],
 ) -> None:
     """The error says what to install or to source; `auto` ends with Cyclone DDS, which could be installed."""
-    monkeypatch.setattr("platform.machine", lambda: machine)
     absent(*packages)
-    with pytest.raises(MiddlewareError) as refused:
-        open_middleware(name, _NODE)
+    with monkeypatch.context() as computer:
+        computer.setattr("platform.machine", lambda: machine)
+        computer.setattr("sys.version_info", (3, python))
+        with pytest.raises(MiddlewareError) as refused:
+            open_middleware(name, _NODE)
     assert all(part in str(refused.value) for part in said)
     assert ("aarch64" in str(refused.value)) is (machine == "aarch64")
 
