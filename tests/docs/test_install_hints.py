@@ -32,6 +32,7 @@ def test_every_hint_names_a_package_that_is_required_or_a_place() -> None:
     """Behind `pip install` stands a path, an address or a requirement of pyproject.toml, and never roverlink's name."""
     known = {one for one in _requirements() if not one.startswith(("roverlink", "roverkit"))}
     known.add("build")  # the PyPA's tool, for `make dist`
+    known.add("onnxruntime-gpu")  # onnxruntime's, with CUDA
     known.add("numpy<2")  # a requirement, too, for OpenCV before 4.10
     known |= {re.split(r"[<>=\[]", one)[0] for one in known}
     listed = subprocess.run(["git", "ls-files", "--", *_FILES], cwd=ROOT, capture_output=True, text=True, check=True)
