@@ -39,6 +39,7 @@ _MISTAKES = (
     r"rs_launch\.py has no argument 'rgb_camera\.profile'",  # rgb_camera.color_profile since 4.55
     r"'rgbd_obstacle_layer\.origin_z'",  # Nav2's voxel layer has it, STVL does not
     r"docking_server has no parameter 'controller\.simulation_step'",  # simulation_time_step
+    r"\d+ of these libraries are loaded already",  # in files of humble: the behavior trees of jazzy load Nav2's own
     # parameters of jazzy in a file of humble, and the reverse; plugins of jazzy have :: in their names
     r"has no parameter '(local|global)_(costmap|footprint)_topic'|has no parameter '(costmap|footprint)_topic'",
     r"has no parameter '(progress_checker_plugins?|navigators|error_code_names|local_frame)'",
