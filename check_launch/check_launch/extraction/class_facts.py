@@ -75,9 +75,10 @@ _OPEN = re.compile(
     r"|\bdeclare_parameters\s*\("
 )
 """Declarations of parameters whose names are in no literal of the source."""
-_DYNAMIC = "dynamic_typing"
+DYNAMIC_TYPING = "dynamic_typing"
 """Field of a descriptor that lets a parameter change its type."""
-_LARGEST = 1 << 20  # bytes of a C++ file; larger ones are data
+LARGEST_SOURCE = 1 << 20
+"""Bytes of the largest file of source code; larger ones are data."""
 _LARGEST_PACKAGE = 3 << 20
 """Letters of C++ in a package that is read as a whole. A larger one contains libraries that know nothing of ROS."""
 _PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
@@ -127,7 +128,7 @@ def facts_of_package(folder: Path) -> dict[str, ClassFacts]:
     texts: dict[Path, str] = {}
     for path in _files(folder):
         with contextlib.suppress(OSError):  # a file that is not readable, or too large to be source code
-            texts[path] = bounded_files.read(path, _LARGEST).decode(errors="replace")
+            texts[path] = bounded_files.read(path, LARGEST_SOURCE).decode(errors="replace")
     if sum(map(len, texts.values())) > _LARGEST_PACKAGE:
         texts = {path: text for path, text in texts.items() if "rclcpp" in text}
     sources = {path: CppSource(text) for path, text in texts.items()}
@@ -328,7 +329,7 @@ class _PackageReader:
             written, _ = scope.value(f"std::vector<{call.template}>()")
             type_ = written.removesuffix("_array") or type_
             default = float(default) if type_ == "double" and type(default) is int else default
-        if _DYNAMIC in source.text:
+        if DYNAMIC_TYPING in source.text:
             type_ = ""
         known = self._facts(call.owner).parameters
         before = known.get(name)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from check_launch.extraction.class_facts import ClassFacts, EndpointFact, ParameterFact
+from check_launch.extraction.class_facts import DYNAMIC_TYPING, ClassFacts, EndpointFact, ParameterFact
 from roverlink import bounded_files
 
 _NODES = {"Node": "rclpy::Node", "LifecycleNode": "rclpy::LifecycleNode"}
@@ -159,7 +159,7 @@ class _Module:
         unknown = [base for base in bases if "::" not in base and "." not in base and base not in ("object", "ABC")]
         facts.is_partial = facts.is_partial or bool(unknown)
         # Descriptors may stand anywhere in the file.
-        if any(getattr(part, "arg", getattr(part, "attr", "")) == "dynamic_typing" for part in ast.walk(self._tree)):
+        if any(getattr(part, "arg", getattr(part, "attr", "")) == DYNAMIC_TYPING for part in ast.walk(self._tree)):
             facts.parameters = {key: replace(fact, type="") for key, fact in facts.parameters.items()}
         return facts
 

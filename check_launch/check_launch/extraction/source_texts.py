@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from check_launch.expansion.source_trees import source_folders
+from check_launch.extraction.class_facts import LARGEST_SOURCE
 from roverlink import bounded_files
 
-_LARGEST = 1 << 20  # bytes of a source file; larger ones are data
 _CPP = re.compile(r"//[^\n]*|/\*.*?\*/|\"((?:[^\"\\\n]|\\.)*)\"", re.DOTALL)
 _PYTHON = re.compile(r"#[^\n]*|(?:\"\"\".*?\"\"\"|'''.*?''')|\"((?:[^\"\\\n]|\\.)*)\"|'((?:[^'\\\n]|\\.)*)'", re.DOTALL)
 _TEXTS = {".cpp": _CPP, ".cc": _CPP, ".hpp": _CPP, ".h": _CPP, ".py": _PYTHON}
@@ -25,7 +25,7 @@ def texts_of_sources(folder: Path) -> Iterator[str]:
             if kind is None or set(inner.relative_to(folder).parts) & _NO_NODES or path.name.endswith("launch.py"):
                 continue
             try:
-                source = bounded_files.read(path, _LARGEST).decode(errors="replace")
+                source = bounded_files.read(path, LARGEST_SOURCE).decode(errors="replace")
             except OSError:  # not readable, or too large to be source code
                 continue
             texts = ("".join(filter(None, match.groups())) for match in kind.finditer(source))

@@ -86,19 +86,15 @@ class OdometerDistance:
             self._begin(now, odometer)
             return Rolled(now, now, curvature=self._driven(now, number))
         last, report = self._recent[-1], _Report(now, odometer)
-        distance, guessed, other = odometer - last.odometer, 0.0, 0.0
-        from_zero = _fit(_Report(last.at, 0.0), report)
-        begins = False
-        if _seconds(last.at, now) >= STILL_S and from_zero and abs(distance) > TOLERANCE_M:
-            begins, unclear = self._begins(last, report)
-            other = last.odometer if unclear else 0.0
+        distance, guessed = odometer - last.odometer, 0.0
+        begins, unclear = self._begins(last, report)
         if begins or not _fit(last, report):
             if not (begins or self._agrees(report)):
                 self.ignored += 1
                 return None
             guessed = math.copysign(self.speed**2 / 2 / ACCELERATION, self.speed)
             # An odometer that begins anywhere else tells nothing about the time before.
-            distance = guessed + (odometer if from_zero else 0.0)
+            distance = guessed + (odometer if _fit_from_zero(last, report) else 0.0)
             self._begin(now, odometer)
         else:
             self._recent.append(report)
@@ -108,7 +104,7 @@ class OdometerDistance:
         while len(self._recent) > 2 and _seconds(self._recent[1].at, now) >= _SPEED_S:
             self._recent.popleft()
         self._left = left
-        return Rolled(last.at, now, distance, guessed, guessed**2 + other**2, self._driven(now, number))
+        return Rolled(last.at, now, distance, guessed, guessed**2 + unclear**2, self._driven(now, number))
 
     def _begin(self, now: int, odometer: float) -> None:
         self._recent.clear()
@@ -116,12 +112,17 @@ class OdometerDistance:
         self._recent.append(_Report(now, odometer))
         self._moved_at = now
 
-    def _begins(self, last: _Report, report: _Report) -> tuple[bool, bool]:
-        """Return whether a report after a silence is of a new start of the board, and whether this is unclear."""
-        seconds = _seconds(last.at, report.at)
-        driven = abs(report.odometer - last.odometer - self.speed * seconds)
-        begun = abs(report.odometer)
-        return begun < driven, abs(begun - driven) < ACCELERATION * seconds**2 / 2
+    def _begins(self, last: _Report, report: _Report) -> tuple[bool, float]:
+        """Return whether a report after a silence is of a new start of the board, and the distance to the other case.
+
+        This distance in metres is 0 where the two cases are clear.
+        """
+        seconds, distance = _seconds(last.at, report.at), report.odometer - last.odometer
+        if seconds < STILL_S or abs(distance) <= TOLERANCE_M or not _fit_from_zero(last, report):
+            return False, 0.0
+        driven, begun = abs(distance - self.speed * seconds), abs(report.odometer)
+        is_unclear = abs(begun - driven) < ACCELERATION * seconds**2 / 2
+        return begun < driven, last.odometer if is_unclear else 0.0
 
     def _agrees(self, report: _Report) -> bool:
         """Return true if a report that does not fit the last one fits all others of half a second."""
@@ -148,6 +149,11 @@ class OdometerDistance:
 def _fit(before: _Report, after: _Report) -> bool:
     """Return true if a rover can drive from one report to the other one."""
     return abs(after.odometer - before.odometer) <= SPEED_LIMIT * _seconds(before.at, after.at) + TOLERANCE_M
+
+
+def _fit_from_zero(before: _Report, after: _Report) -> bool:
+    """Return true if a rover can drive the odometer of a report in the time since another one."""
+    return _fit(_Report(before.at, 0.0), after)
 
 
 def _seconds(since: int, until: int) -> float:
