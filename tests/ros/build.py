@@ -31,6 +31,7 @@ sys.path[:0] = map(str, (ROOT, ROOT / "tests", Path(__file__).parent / "cpp"))
 import workspace  # noqa: E402  # the folders above are not on the path of a script
 from building import standard_text  # noqa: E402
 from default_signals import restore_default_signals  # noqa: E402
+from polling import PATIENCE_S  # noqa: E402
 
 import generated.messages  # noqa: E402
 from generated.registry import REGISTRY  # noqa: E402
@@ -305,7 +306,7 @@ def _does_not_run(environment: dict[str, str], *, native: bool = False) -> Itera
             yield f"{found[0]} did not start this project's bridge: {ready}{bridge.stderr.read()}"
             return
         bridge.send_signal(signal.SIGINT)
-        log = bridge.communicate(timeout=30)[1]
+        log = bridge.communicate(timeout=PATIENCE_S)[1]
         if bridge.returncode:
             yield f"{found[0]} ended with {bridge.returncode}: {log}"
         if native and REINSTALL in log:

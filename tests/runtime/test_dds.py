@@ -326,7 +326,7 @@ from roverlink.runtime.middleware import NodeIdentity, open_middleware
 try:
     with open_middleware("dds", NodeIdentity("alone")) as middleware:
         publisher = middleware.publisher("/alone", ImuSensorInformation, Qos())
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + {patience_s}
         while not publisher.has_subscribers() and time.monotonic() < deadline:
             time.sleep(0.01)
         print("matched" if publisher.has_subscribers() else "nobody")
@@ -357,7 +357,7 @@ def test_each_way_to_stay_on_this_host_finds_the_others(
 ) -> None:
     """ROS 2's variables, old and new, and a configuration of the user's own, which is an error where it is broken."""
     _gathered(join(), "/alone")
-    script = [sys.executable, "-c", _ALONE.format(environment=environment)]
+    script = [sys.executable, "-c", _ALONE.format(environment=environment, patience_s=PATIENCE_S)]
     done = subprocess.run(script, capture_output=True, text=True, cwd=_ROOT, timeout=3 * PATIENCE_S)
     assert done.stdout.startswith(said.format(domain=domain)), done.stderr
 

@@ -18,7 +18,9 @@ from roverlink.runtime.core import cdr
 from roverlink.runtime.core.messages import Array, FieldType, Message, Primitive, Sequence, Text, fields_of
 from roverlink.runtime.interfaces import Time
 
+sys.path.insert(0, str(Path(__file__).parents[2]))
 sys.path.insert(0, str(Path(__file__).parents[2] / "generator"))
+from polling import PATIENCE_S
 from random_payloads import Payloads
 
 _TEXTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=4)
@@ -62,7 +64,7 @@ class Speaker:
     def close(self) -> None:
         """End it."""
         self._process.stdin.close()
-        assert self._process.wait(10) == 0
+        assert self._process.wait(PATIENCE_S) == 0
 
 
 def compare(
