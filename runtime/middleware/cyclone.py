@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import ctypes
 import json
+import threading
 from collections.abc import Mapping, Sequence
 from itertools import repeat
 from pathlib import Path
@@ -69,12 +70,16 @@ _CQos._set_p_writerbatching = classmethod(_set_policy)  # type: ignore[attr-defi
 
 COMPILER = Path(str(cyclonedds.__file__)).with_name("idl") / "_xt_builder.py"
 """The package's compiler of types, which another version of the package replaces."""
+_compiling = threading.Lock()
 
 
 def describe(struct: type[IdlStruct]) -> bytes:
     """Return the description of a type that Cyclone DDS needs for a topic."""
     idl: Any = struct.__idl__
-    idl.fill_type_data()
+    # After an error, or for a second thread, the package takes a type for described that has no bytes yet.
+    with _compiling:
+        idl._xt_data = None, None
+        idl.fill_type_data()
     return json.dumps(
         {
             "idl_transformed_typename": idl.idl_transformed_typename,

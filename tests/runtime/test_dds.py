@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
+from unittest.mock import Mock
 
 import pytest
 from asking import asking_registry
@@ -43,11 +44,12 @@ from cyclonedds.core import Policy
 from cyclonedds.core import Qos as CycloneQos
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.idl import make_idl_struct, types
+from cyclonedds.idl._xt_builder import XTBuilder
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
-from roverlink.runtime.middleware.cyclone import RawReader, RawWriter
+from roverlink.runtime.middleware.cyclone import RawReader, RawWriter, describe
 from roverlink.runtime.middleware.dds_types import dds_qos, idl_struct
 
 _SAMPLE = ImuSensorInformation(
@@ -193,6 +195,16 @@ def test_qualities_of_service_match_as_ros_2_has_them(
     publisher.publish([cdr.encode(_SAMPLE)])
     wait_until(lambda: accepted_seen, "the message")
     assert not refused_seen
+
+
+def test_a_type_whose_compilation_was_interrupted_is_compiled_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the package keeps of the first attempt is not taken for the result."""
+    kind, whole = (make_idl_struct("Kind_", "comms.msg.dds_.Kind_", {"state": types.uint8}) for _ in range(2))
+    with monkeypatch.context() as patch:
+        patch.setattr(XTBuilder, "process_type", lambda _: [Mock(**{"serialize.side_effect": KeyboardInterrupt})])
+        with pytest.raises(KeyboardInterrupt):
+            describe(kind)
+    assert describe(kind) == describe(whole)
 
 
 # --- being a node -----------------------------------------------------------------------------------------------
