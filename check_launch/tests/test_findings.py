@@ -596,6 +596,18 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters("controller_manager", "drive: {type: diff_drive_controller/DiffDriveController}"),
         ["error LCH109 did you mean 'drive'?"],
     ),
+    "a controller in a namespace that its spawner gives": (
+        _node("controller_manager", "ros2_control_node")
+        + "  - node: {pkg: controller_manager, exec: spawner, args: drive --controller-ros-args '-r __ns:=/rover'}\n",
+        _parameters("controller_manager", "drive: {type: diff_drive_controller/DiffDriveController}")
+        + _parameters("/rover/drive", "open_loop: true"),
+        [],
+    ),
+    "a folder in place of a file": (
+        _node("robot_localization", "ekf_node", param="[{from: $(dirname)}]"),
+        "",
+        ["warning LCH111"],
+    ),
     "an argument without a value": (
         "  - include: {file: $(dirname)/p.yaml}\n",
         "launch:\n  - arg: {name: map}\n",

@@ -48,12 +48,13 @@ def main():
     "src/base/src/wheels.cpp": """
 #include "base_parameters.hpp"
 namespace base {
-class Wheels : public rclcpp::Node {
+template<typename T> class TypedWheels : public rclcpp::Node {
   std::shared_ptr<base::ParamListener> listener_;
-  Wheels(rclcpp::NodeOptions options = rclcpp::NodeOptions()) : rclcpp::Node("wheels", options) {
+  TypedWheels(rclcpp::NodeOptions options = rclcpp::NodeOptions()) : rclcpp::Node("wheels", options) {
     declare_parameter("width", 0.3);
   }
 };
+using Wheels = TypedWheels<double>;
 }
 struct Clock {};
 int main() {
@@ -66,7 +67,10 @@ int main() {
     "rover_program(brake src/brake.cpp)\n",
     "src/cart/src/wheels.cpp": """
 namespace base {
+class Rim : Tyre {};
+class Tyre : Rim {};
 class Wheels : public rclcpp::Node {
+  Rim rim_;
   Wheels() : Node("wheels") { declare_parameter<float>("spoke", 3); auto node = this; elsewhere(node, "hub"); }
 };
 }

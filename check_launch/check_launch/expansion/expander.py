@@ -679,7 +679,10 @@ class _Run:
         if self._is_elsewhere(path):
             self._report(NotExpanded, given.place, f"'{path}' is a file of the robot; its parameters are not checked")
             return None
-        if not os.path.exists(path):
+        if os.path.isdir(path) and any(_arguments_in(given.path, is_condition=True)):
+            self._report(NotExpanded, given.place, f"'{text}' is a folder; an argument has to name a file of it")
+            return None
+        if os.path.isdir(path) or not os.path.exists(path):  # launch_ros/actions/node.py asks for a file
             if not os.path.isabs(text) and text.endswith((".yaml", ".yml")):
                 message = f"'{text}' is relative to the folder in which `ros2 launch` runs; it is not checked"
                 self._report(NotExpanded, given.place, message)
@@ -687,9 +690,6 @@ class _Run:
             missing_file = shown if os.path.isabs(text) else f"'{text}'"
             help = "" if os.path.splitext(text)[1] else "a text is the path of a file; parameters are {'name': value}"
             self._report(MissingFile, given.place, f"the parameter file {missing_file} is not there", help)
-            return None
-        if os.path.isdir(path) and any(_arguments_in(given.path, is_condition=True)):
-            self._report(NotExpanded, given.place, f"'{text}' is a folder; an argument has to name a file of it")
             return None
         try:
             text_of = self._file_text if given.has_substitutions else None
