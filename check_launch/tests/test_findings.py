@@ -613,6 +613,11 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "launch:\n  - arg: {name: map}\n",
         ["error LCH104"],
     ),
+    "an argument that the user has to give": (
+        "  - push_ros_namespace: {namespace: $(var ns)}\n  - arg: {name: ns, default: $(var ns)}\n",
+        "",
+        [],
+    ),
     "nothing in place of a description": ("def generate_launch_description():\n    pass\n", "", ["fatal LCH101"]),
     # What is not known is not absent.
     "a node of another package with a usual name": (

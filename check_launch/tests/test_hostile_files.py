@@ -82,6 +82,7 @@ def test_what_colcon_builds_or_ignores_is_not_checked(tmp_path: Path, capsys: py
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / folder / "a.launch.yaml").write_text("launch:\n- node: {pkg: nav2_amcl, exec: aml}\n")
     (tmp_path / "src" / "old" / "COLCON_IGNORE").touch()
+    (tmp_path / "src" / "Debug.launch").write_text('<?xml version="1.0"?>\n<launchConfiguration type="of Eclipse"/>')
     (tmp_path / "src" / "a" / "test_launch.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
     assert main(["check-launch", "--format", "json", str(tmp_path)]) == 1
     found = [one["path"] for one in json.loads(capsys.readouterr().out) if one["id"] == "LCH108"]

@@ -234,7 +234,8 @@ class Expander:
             reason = f"grows without end: {error}" if isinstance(error, TooLongTextError) else "is nested too deeply"
             place = run.context.place if run.context.place.file else Span(self._shown(file))
             raise UnreadableFileError(place, f"the launch file {reason}") from error
-        run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
+        undeclared = dict.fromkeys(run.context.undeclared)
+        run.result.undeclared = [one for one in undeclared if one[0] not in run.without_default]
         run.result.absent |= run.context.absent
         return run.result
 
@@ -298,6 +299,8 @@ class _Run:
         self._skips = 0  # includes of files that are not here
         self._path = ""  # path of the launch file whose actions are expanded
         self._included_at = Span("")  # place of the include of that file
+        self.without_default: set[str] = set()
+        """Arguments of the launch file itself of which the default is their own value: the user has to give it."""
 
     def include(self, path: str, place: Span) -> None:
         """Expand the actions of a launch file."""
@@ -448,7 +451,10 @@ class _Run:
         name = self._text(action.name)
         if not name:
             return
+        known = len(self.context.undeclared)
         default = self._text(action.default) if action.default is not None else None
+        if self._depth == 1 and any(used == name for used, _ in self.context.undeclared[known:]):
+            self.without_default.add(name)
         self.result.declared.setdefault(name, Declared(name, default, action.choices, action.place))
         is_needed = action.default is None and action.condition is None and not package_of_share(self._path)
         if is_needed and self._depth > 1 and name not in self.context.configurations:
