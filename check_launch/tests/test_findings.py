@@ -620,6 +620,16 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     ),
     "nothing in place of a description": ("def generate_launch_description():\n    pass\n", "", ["fatal LCH101"]),
     # What is not known is not absent.
+    "an action of another package": ("  - pyenv_node: {pkg: my_rover}\n", "", ["hint LCH103"]),
+    "two topics of which a short word differs": (
+        _node(
+            "nav2_velocity_smoother",
+            "velocity_smoother",
+            remap="[{from: cmd_vel, to: cmd_vel_nav}, {from: cmd_vel_smoothed, to: cmd_vel_raw}]",
+        ),
+        _parameters("velocity_smoother", "feedback: OPEN_LOOP"),
+        [],
+    ),
     "a node of another package with a usual name": (
         _node("my_cameras", "camera_node", name="camera"),
         _parameters("camera", "video_device: /dev/video0"),

@@ -71,7 +71,7 @@ from check_launch.rules.launch_rules import (
 )
 from check_launch.rules.stated_facts import stated_facts
 from roverlink import bounded_files
-from roverlink.generator.diagnostics import Diagnostic, Rule, Span
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
 
 _DEEPEST = 30  # includes within includes
 _MOST_INCLUDES = 1000
@@ -345,6 +345,8 @@ class _Run:
             is_meant = "catkin" in self.context.packages.dependencies(path)
             return [], [as_hint(finding) if is_meant else finding]
         self._note_missing(path)
+        if any(finding.severity is Severity.HINT for finding in findings):  # of an action that is not known
+            self.result.unevaluated.add(path)
         return actions, findings
 
     def _note_missing(self, path: str) -> None:
