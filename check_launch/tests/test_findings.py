@@ -651,6 +651,11 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters("rtabmap", "diagnostic_updater.period: 0.5", "frame_id: base_link"),
         [],
     ),
+    "displays that are not known": (
+        _node("rviz2", "rviz2", args="-d /etc/a.rviz", param="[{name: robot_description_semantic, value: a}]"),
+        "",
+        [],
+    ),
     "a file of the robot": (
         _node("robot_localization", "ekf_node", param="[{from: /etc/rover/ekf.yaml}]"),
         "",

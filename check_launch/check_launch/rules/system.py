@@ -159,8 +159,11 @@ def _loaded_nodes(node: RunningNode, catalogue: Catalogue, system: System) -> It
 def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> None:
     """Find the topics and frames of RViz in its configuration, and displays that do not exist."""
     words = node.started.arguments
-    path = next((file for option, file in pairwise(words) if option in ("-d", "--display-config") and file), None)
-    read = read_rviz_file(path, node.started.shown(path)) if path else None
+    paths = [file for option, file in pairwise(words) if option in ("-d", "--display-config")]
+    read = read_rviz_file(paths[0], node.started.shown(paths[0])) if paths and paths[0] else None
+    is_open = bool(paths) if read is None else any(plugin not in catalogue.plugins for plugin, _ in read.plugins)
+    if node.view and is_open:
+        node.view.open.append("")  # a display that is not known, such as that of MoveIt, may read any parameter
     if read is None:
         return
     for plugin, place in read.plugins:
