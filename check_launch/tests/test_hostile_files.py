@@ -38,6 +38,7 @@ _CASES: Mapping[str, tuple[Mapping[str, str | bytes], str]] = {
         "",
     ),
     "asks the user": ({"a.launch.py": _PYTHON + "input()" + _FUNCTION}, ""),
+    "imports what is not there": ({"a.launch.py": "from xml import Missing\n" + _PYTHON + _FUNCTION}, ""),
     "uses what is not known": ({"a.launch.py": "import std_msgs.msg as m; m.A()[0] = 1; -m.A()" + _FUNCTION}, ""),
     "returns nothing": ({"a.launch.py": "def generate_launch_description():\n    pass\n"}, "returns None"),
     "refuses to go on": ({"a.launch.py": "import sys; sys.exit(1)" + _FUNCTION}, ""),

@@ -157,6 +157,8 @@ class PythonFile:
             return "the stand-in of this object does not have it"
         if isinstance(error, TypeError) and f"'{Ignored.__name__}'" in str(error):
             return "an object is not known"
+        if isinstance(error, ImportError) and not self._packages.holds(error.path or ""):
+            return f"perhaps another '{error.name}' is installed where ROS 2 is"
         if isinstance(error, EOFError):
             return "it reads what a user types"
         if isinstance(error, NameError) and self._imports_all:
