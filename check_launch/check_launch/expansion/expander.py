@@ -453,9 +453,9 @@ class _Run:
         name = self._text(action.name)
         if not name:
             return
-        known = len(self.context.undeclared)
+        before = len(self.context.undeclared)
         default = self._text(action.default) if action.default is not None else None
-        if self._depth == 1 and any(used == name for used, _ in self.context.undeclared[known:]):
+        if self._depth == 1 and any(used == name for used, _ in self.context.undeclared[before:]):
             self.without_default.add(name)
         self.result.declared.setdefault(name, Declared(name, default, action.choices, action.place))
         is_needed = action.default is None and action.condition is None and not package_of_share(self._path)

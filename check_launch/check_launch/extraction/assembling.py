@@ -426,11 +426,13 @@ def _merged(first: Parameter, second: Parameter) -> Parameter:
 
 
 def _parameter(stated: Mapping[str, Any], distribution: str) -> Parameter:
-    default, choices = (
-        value[distribution] if isinstance(value, Mapping) else value
-        for value in (stated.get("default"), stated.get("choices", ()))
-    )
-    return Parameter(stated.get("type", ""), default, stated.get("minimum"), stated.get("maximum"), tuple(choices))
+    default = _for(distribution, stated.get("default"))
+    choices = tuple(_for(distribution, stated.get("choices", ())))
+    return Parameter(stated.get("type", ""), default, stated.get("minimum"), stated.get("maximum"), choices)
+
+
+def _for(distribution: str, stated: Any) -> Any:
+    return stated[distribution] if isinstance(stated, Mapping) else stated
 
 
 def _slot(stated: Mapping[str, Any]) -> PluginSlot:
