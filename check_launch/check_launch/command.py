@@ -116,7 +116,7 @@ def run(arguments: argparse.Namespace) -> int:
     files = list(files_to_check(paths, missing.append))
     if missing:
         raise SetupError(f"{missing[0]}: there is no launch file, and no file with parameters of ROS 2 nodes")
-    packages = Packages([*arguments.packages, *_tops(files)])
+    packages = Packages([*arguments.packages, *_tops(files), *filter(Path.is_dir, paths)])
     catalogue = with_workspace(catalogue, packages, arguments.catalogue)
     catalogue = with_own_programs(catalogue, _table_file(paths))
     values = dict(text.split(_SET, 1) for text in arguments.paths if _SET in text)

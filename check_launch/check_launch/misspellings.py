@@ -12,6 +12,9 @@ _TIE = 0.03
 """Names whose similarities differ by less are equally likely."""
 _SHORT = 8
 """Names with fewer letters may differ by one letter only to be a misspelling."""
+_SHORT_WORD = 5
+"""Words of a name with fewer letters may do so, too: `cmd_vel_raw` is not `cmd_vel_nav`."""
+_BETWEEN_WORDS = re.compile(r"[^A-Za-z0-9]+")
 
 
 def nearest(name: str, known: Iterable[str], least: float = 0.6) -> str:
@@ -35,7 +38,12 @@ def did_you_mean(names: str | Sequence[str], otherwise: str = "") -> str:
 
 def is_misspelling(name: str, other: str) -> bool:
     """Return true if a name is another one with a letter or two wrong."""
-    return name != other and is_near(name, other, 1 if min(len(name), len(other)) < _SHORT else 2)
+    if name == other or not is_near(name, other, 1 if min(len(name), len(other)) < _SHORT else 2):
+        return False
+    words, others = _BETWEEN_WORDS.split(name), _BETWEEN_WORDS.split(other)
+    differing = [pair for pair in zip(words, others, strict=False) if pair[0] != pair[1]]
+    is_of_short_word = len(words) == len(others) and len(differing) == 1 and min(map(len, differing[0])) < _SHORT_WORD
+    return not is_of_short_word or is_near(name, other, 1)
 
 
 def is_other_axis(name: str, other: str) -> bool:

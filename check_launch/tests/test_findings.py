@@ -596,13 +596,40 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters("controller_manager", "drive: {type: diff_drive_controller/DiffDriveController}"),
         ["error LCH109 did you mean 'drive'?"],
     ),
+    "a controller in a namespace that its spawner gives": (
+        _node("controller_manager", "ros2_control_node")
+        + "  - node: {pkg: controller_manager, exec: spawner, args: drive --controller-ros-args '-r __ns:=/rover'}\n",
+        _parameters("controller_manager", "drive: {type: diff_drive_controller/DiffDriveController}")
+        + _parameters("/rover/drive", "open_loop: true"),
+        [],
+    ),
+    "a folder in place of a file": (
+        _node("robot_localization", "ekf_node", param="[{from: $(dirname)}]"),
+        "",
+        ["warning LCH111"],
+    ),
     "an argument without a value": (
         "  - include: {file: $(dirname)/p.yaml}\n",
         "launch:\n  - arg: {name: map}\n",
         ["error LCH104"],
     ),
+    "an argument that the user has to give": (
+        "  - push_ros_namespace: {namespace: $(var ns)}\n  - arg: {name: ns, default: $(var ns)}\n",
+        "",
+        [],
+    ),
     "nothing in place of a description": ("def generate_launch_description():\n    pass\n", "", ["fatal LCH101"]),
     # What is not known is not absent.
+    "an action of another package": ("  - pyenv_node: {pkg: my_rover}\n", "", ["hint LCH103"]),
+    "two topics of which a short word differs": (
+        _node(
+            "nav2_velocity_smoother",
+            "velocity_smoother",
+            remap="[{from: cmd_vel, to: cmd_vel_nav}, {from: cmd_vel_smoothed, to: cmd_vel_raw}]",
+        ),
+        _parameters("velocity_smoother", "feedback: OPEN_LOOP"),
+        [],
+    ),
     "a node of another package with a usual name": (
         _node("my_cameras", "camera_node", name="camera"),
         _parameters("camera", "video_device: /dev/video0"),
@@ -622,6 +649,11 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     "parameters of a library": (
         "",
         _parameters("rtabmap", "diagnostic_updater.period: 0.5", "frame_id: base_link"),
+        [],
+    ),
+    "displays that are not known": (
+        _node("rviz2", "rviz2", args="-d /etc/a.rviz", param="[{name: robot_description_semantic, value: a}]"),
+        "",
         [],
     ),
     "a file of the robot": (

@@ -37,7 +37,9 @@ _CASES: Mapping[str, tuple[Mapping[str, str | bytes], str]] = {
         {"a.launch.py": _PYTHON + "os.chdir('/'); subprocess.run([sys.executable, '-c', ''], check=True)" + _FUNCTION},
         "",
     ),
-    "asks the user": ({"a.launch.py": _PYTHON + "input()" + _FUNCTION}, "EOFError"),
+    "asks the user": ({"a.launch.py": _PYTHON + "input()" + _FUNCTION}, ""),
+    "imports what is not there": ({"a.launch.py": "from xml import Missing\n" + _PYTHON + _FUNCTION}, ""),
+    "uses what is not known": ({"a.launch.py": "import std_msgs.msg as m; m.A()[0] = 1; -m.A()" + _FUNCTION}, ""),
     "returns nothing": ({"a.launch.py": "def generate_launch_description():\n    pass\n"}, "returns None"),
     "refuses to go on": ({"a.launch.py": "import sys; sys.exit(1)" + _FUNCTION}, ""),
     "is no launch file, and does not run": ({"a.launch.py": "import no_such_module"}, "has no function"),
@@ -81,6 +83,7 @@ def test_what_colcon_builds_or_ignores_is_not_checked(tmp_path: Path, capsys: py
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / folder / "a.launch.yaml").write_text("launch:\n- node: {pkg: nav2_amcl, exec: aml}\n")
     (tmp_path / "src" / "old" / "COLCON_IGNORE").touch()
+    (tmp_path / "src" / "Debug.launch").write_text('<?xml version="1.0"?>\n<launchConfiguration type="of Eclipse"/>')
     (tmp_path / "src" / "a" / "test_launch.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
     assert main(["check-launch", "--format", "json", str(tmp_path)]) == 1
     found = [one["path"] for one in json.loads(capsys.readouterr().out) if one["id"] == "LCH108"]

@@ -17,6 +17,7 @@ _FILES = {
     "src/arm/arm/names.py": "EXECUTABLE = 'drivr'\n",
     "src/arm/arm/driver.py": """
 from rclpy.node import Node
+from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import JointState
 class Driver(Node):
     def __init__(self):
@@ -27,6 +28,9 @@ class Driver(Node):
         self.declare_parameters('joint', [('names', ['a', 'b'])])
         self.topic = self.declare_parameter('topic', 'joints').value
         self.publisher = self.create_publisher(JointState, self.topic, 10)
+        qos = QoSProfile(depth=1)
+        qos.durability = DurabilityPolicy.TRANSIENT_LOCAL
+        self.map = self.create_publisher(OccupancyGrid, '/map', qos)
 def main():
     Driver()
 """,
@@ -48,12 +52,13 @@ def main():
     "src/base/src/wheels.cpp": """
 #include "base_parameters.hpp"
 namespace base {
-class Wheels : public rclcpp::Node {
+template<typename T> class TypedWheels : public rclcpp::Node {
   std::shared_ptr<base::ParamListener> listener_;
-  Wheels(rclcpp::NodeOptions options = rclcpp::NodeOptions()) : rclcpp::Node("wheels", options) {
+  TypedWheels(rclcpp::NodeOptions options = rclcpp::NodeOptions()) : rclcpp::Node("wheels", options) {
     declare_parameter("width", 0.3);
   }
 };
+using Wheels = TypedWheels<double>;
 }
 struct Clock {};
 int main() {
@@ -66,7 +71,10 @@ int main() {
     "rover_program(brake src/brake.cpp)\n",
     "src/cart/src/wheels.cpp": """
 namespace base {
+class Rim : Tyre {};
+class Tyre : Rim {};
 class Wheels : public rclcpp::Node {
+  Rim rim_;
   Wheels() : Node("wheels") { declare_parameter<float>("spoke", 3); auto node = this; elsewhere(node, "hub"); }
 };
 }
@@ -89,6 +97,7 @@ def generate_launch_description():
         Node(package='base', executable='wheels', parameters=[{'radius': 5.0}, {'radus': 0.2}, {'width': 1}]),
         Node(package='cart', executable='wheels', parameters=[{'spoke': 5.0}, {'radius': 0.2}, {'hub': 1}]),
         Node(package='cart', executable='brake'),
+        Node(package='nav2_amcl', executable='amcl', name='amcl'),
     ])
 """,
 }

@@ -31,7 +31,7 @@ from check_launch.expansion.entities import Attribute, Entity, read_entities
 from check_launch.expansion.substitutions import TextSubstitution, UnknownSubstitution
 from check_launch.expansion.written_text import WrongTextError, parse_text
 from check_launch.misspellings import did_you_mean, nearest
-from check_launch.rules.launch_rules import UnknownAction
+from check_launch.rules.launch_rules import UnknownAction, as_hint
 from roverlink.generator.diagnostics import Diagnostic, Span
 
 _OF_ALL = frozenset({"if", "unless"})
@@ -169,7 +169,9 @@ class _Reader:
                     found.append(action)
             elif entity.name not in _ATTRIBUTES or entity.name in _FOR_ALL:
                 help = did_you_mean(_FOR_ALL.get(entity.name) or nearest(entity.name, _MAKERS))
-                self.findings.append(UnknownAction.at(entity.place, f"unknown action '{entity.name}'", help))
+                finding = UnknownAction.at(entity.place, f"unknown action '{entity.name}'", help)
+                # Packages can add actions (launch/frontend/expose.py).
+                self.findings.append(finding if help or entity.name in _ROS1_ELEMENTS else as_hint(finding))
         return found
 
     def _check_attributes(self, entity: Entity) -> None:

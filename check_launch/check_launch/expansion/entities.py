@@ -28,8 +28,10 @@ class UnreadableFileError(Exception):
 
 FAST_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where PyYAML has it
 _DEEPEST = 100
-_OF_LAUNCH = re.compile(r"<\w|^[\"']?launch[\"']?\s*:|\b(?:pkg|exec|include)\b", re.MULTILINE)
-"""An XML element, the list of a YAML file, or a word of one whose list is misspelt."""
+_OF_XML = re.compile(r"<(?:launch|arg|group|include|let|node)\b")
+"""Elements of a launch file in XML; Eclipse and others have files with the same ending."""
+_OF_YAML = re.compile(r"^[\"']?launch[\"']?\s*:|\b(?:pkg|exec|include)\b", re.MULTILINE)
+"""The list of a launch file in YAML, or a word of one whose list is misspelt."""
 _MOST_NODES = 200_000
 
 
@@ -63,9 +65,10 @@ def read_entities(path: Path, shown: str) -> list[Entity]:
 def is_declarative(path: Path) -> bool:
     """Return false for a YAML or XML file in which nothing is for `ros2 launch`: its name has another reason."""
     try:
-        return _OF_LAUNCH.search(bounded_files.read(path).decode("latin-1")) is not None
+        text = bounded_files.read(path).decode("utf-8-sig", errors="replace")
     except OSError:
         return True  # so that the check says why
+    return (_OF_XML if text.lstrip().startswith("<") else _OF_YAML).search(text) is not None
 
 
 def text_of_file(path: Path, shown: str) -> str:

@@ -71,7 +71,7 @@ from check_launch.rules.launch_rules import (
 )
 from check_launch.rules.stated_facts import stated_facts
 from roverlink import bounded_files
-from roverlink.generator.diagnostics import Diagnostic, Rule, Span
+from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, Span
 
 _DEEPEST = 30  # includes within includes
 _MOST_INCLUDES = 1000
@@ -234,7 +234,8 @@ class Expander:
             reason = f"grows without end: {error}" if isinstance(error, TooLongTextError) else "is nested too deeply"
             place = run.context.place if run.context.place.file else Span(self._shown(file))
             raise UnreadableFileError(place, f"the launch file {reason}") from error
-        run.result.undeclared = list(dict.fromkeys(run.context.undeclared))
+        undeclared = dict.fromkeys(run.context.undeclared)
+        run.result.undeclared = [one for one in undeclared if one[0] not in run.without_default]
         run.result.absent |= run.context.absent
         return run.result
 
@@ -298,6 +299,8 @@ class _Run:
         self._skips = 0  # includes of files that are not here
         self._path = ""  # path of the launch file whose actions are expanded
         self._included_at = Span("")  # place of the include of that file
+        self.without_default: set[str] = set()
+        """Arguments of the launch file itself of which the default is their own value: the user has to give it."""
 
     def include(self, path: str, place: Span) -> None:
         """Expand the actions of a launch file."""
@@ -342,6 +345,8 @@ class _Run:
             is_meant = "catkin" in self.context.packages.dependencies(path)
             return [], [as_hint(finding) if is_meant else finding]
         self._note_missing(path)
+        if any(finding.severity is Severity.HINT for finding in findings):  # of an action that is not known
+            self.result.unevaluated.add(path)
         return actions, findings
 
     def _note_missing(self, path: str) -> None:
@@ -448,7 +453,10 @@ class _Run:
         name = self._text(action.name)
         if not name:
             return
+        before = len(self.context.undeclared)
         default = self._text(action.default) if action.default is not None else None
+        if self._depth == 1 and any(used == name for used, _ in self.context.undeclared[before:]):
+            self.without_default.add(name)
         self.result.declared.setdefault(name, Declared(name, default, action.choices, action.place))
         is_needed = action.default is None and action.condition is None and not package_of_share(self._path)
         if is_needed and self._depth > 1 and name not in self.context.configurations:
@@ -679,7 +687,10 @@ class _Run:
         if self._is_elsewhere(path):
             self._report(NotExpanded, given.place, f"'{path}' is a file of the robot; its parameters are not checked")
             return None
-        if not os.path.exists(path):
+        if os.path.isdir(path) and any(_arguments_in(given.path, is_condition=True)):
+            self._report(NotExpanded, given.place, f"'{text}' is a folder; an argument has to name a file of it")
+            return None
+        if os.path.isdir(path) or not os.path.exists(path):  # launch_ros/actions/node.py asks for a file
             if not os.path.isabs(text) and text.endswith((".yaml", ".yml")):
                 message = f"'{text}' is relative to the folder in which `ros2 launch` runs; it is not checked"
                 self._report(NotExpanded, given.place, message)
@@ -687,9 +698,6 @@ class _Run:
             missing_file = shown if os.path.isabs(text) else f"'{text}'"
             help = "" if os.path.splitext(text)[1] else "a text is the path of a file; parameters are {'name': value}"
             self._report(MissingFile, given.place, f"the parameter file {missing_file} is not there", help)
-            return None
-        if os.path.isdir(path) and any(_arguments_in(given.path, is_condition=True)):
-            self._report(NotExpanded, given.place, f"'{text}' is a folder; an argument has to name a file of it")
             return None
         try:
             text_of = self._file_text if given.has_substitutions else None

@@ -45,6 +45,9 @@ class Ignored(metaclass=_IgnoredType):
     def __getitem__(self, key: Any) -> Ignored:
         return Ignored()
 
+    def __setitem__(self, key: Any, value: Any) -> None:
+        """Accept every item."""
+
     def __iter__(self) -> Iterator[Any]:
         return iter(())
 

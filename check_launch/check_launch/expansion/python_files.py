@@ -155,6 +155,12 @@ class PythonFile:
             return f"the environment has no variable {self._environment.missing[0]}"
         if isinstance(error, AttributeError) and type(error.obj).__module__.startswith("check_launch."):
             return "the stand-in of this object does not have it"
+        if isinstance(error, TypeError) and f"'{Ignored.__name__}'" in str(error):
+            return "an object is not known"
+        if isinstance(error, ImportError) and not self._packages.holds(error.path or ""):
+            return f"perhaps another '{error.name}' is installed where ROS 2 is"
+        if isinstance(error, EOFError):
+            return "it reads what a user types"
         if isinstance(error, NameError) and self._imports_all:
             return "perhaps a module gives it, of which the file imports all names"
         text = str(error)

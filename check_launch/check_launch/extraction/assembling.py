@@ -22,7 +22,7 @@ from check_launch.catalogue.facts import (
     SubNode,
     Transform,
 )
-from check_launch.extraction.class_facts import ClassFacts, EndpointFact
+from check_launch.extraction.class_facts import NODE_CLASSES, ClassFacts, EndpointFact
 from check_launch.extraction.package_facts import PackageFacts, read_package
 from check_launch.extraction.rtabmap_parameters import core_parameters
 from check_launch.extraction.supplement import Supplement
@@ -32,7 +32,6 @@ _IN_PLUGIN = re.compile(r"^\{dwb_plugin_name_\}\.\{name_\}\.")
 """Beginning of the parameters of a critic, which is a plugin in a plugin."""
 _PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 _WHOLE = re.compile(r"^\{[\w.()>-]+\}")
-_NODE_CLASSES = frozenset({"LifecycleNode", "Node", "BaseNode"})
 _TESTS = re.compile(r"test|benchmark|system_tests|visual_testing|examples_tf2_py")
 _KNOWN = re.compile(r"^[\w#]+$")
 
@@ -290,7 +289,7 @@ class Assembler:
 
     def _is_partial(self, name: str) -> bool:
         """Return true if a class may declare more than was understood: also with base classes that were not read."""
-        bases = (base for base in self._classes[name].bases if base.rpartition("::")[2] not in _NODE_CLASSES)
+        bases = (base for base in self._classes[name].bases if base.rpartition("::")[2] not in NODE_CLASSES)
         return (
             self._classes[name].is_partial
             or name in self._partial
@@ -316,12 +315,14 @@ class Assembler:
             yield from ((key, sorted(topics) if key == part else given) for key, given in inner)
 
     def _is_node(self, name: str) -> bool:
-        facts = self._classes[name]
-        for base in facts.bases:
-            short = base.rpartition("::")[2]
-            found = self._resolved(base, name)
-            if short in _NODE_CLASSES or (found and found != name and self._is_node(found)):
-                return True
+        # Grows by base classes of base classes, each once: a wrong file may derive two classes from each other.
+        reached = [name]
+        for class_name in reached:
+            for base in self._classes[class_name].bases:
+                if base.rpartition("::")[2] in NODE_CLASSES:
+                    return True
+                if (found := self._resolved(base, class_name)) and found not in reached:
+                    reached.append(found)
         return False
 
     def _parameters_of(self, name: str) -> Iterator[tuple[str, Parameter]]:
@@ -425,14 +426,13 @@ def _merged(first: Parameter, second: Parameter) -> Parameter:
 
 
 def _parameter(stated: Mapping[str, Any], distribution: str) -> Parameter:
-    choices = stated.get("choices", ())
-    return Parameter(
-        stated.get("type", ""),
-        stated.get("default"),
-        stated.get("minimum"),
-        stated.get("maximum"),
-        tuple(choices[distribution] if isinstance(choices, Mapping) else choices),
-    )
+    default = _for(distribution, stated.get("default"))
+    choices = tuple(_for(distribution, stated.get("choices", ())))
+    return Parameter(stated.get("type", ""), default, stated.get("minimum"), stated.get("maximum"), choices)
+
+
+def _for(distribution: str, stated: Any) -> Any:
+    return stated[distribution] if isinstance(stated, Mapping) else stated
 
 
 def _slot(stated: Mapping[str, Any]) -> PluginSlot:

@@ -44,7 +44,6 @@ _READING = frozenset({"get_parameter", "get_parameter_or"})
 _MAKING = frozenset({"make_unique", "make_shared"})
 _NODE = re.compile(r"^(?:\*?this|&?\*?_?node_?|nh_?|parent_?|&\w+|\w*node\w*|shared_from_this\(\)|node_?->\w+\(\)|n)$")
 _FILTER = re.compile(r"message_filters::Subscriber<\s*([\w:]+)")
-_ALIAS = re.compile(r"\busing\s+(\w+)\s*=\s*([^;]+);|\btypedef\s+([^;]+?)\s+(\w+)\s*;")
 _NAMED = re.compile(r"\b(\w+)::\1\([^{};]*?\)\s*:\s*(?:\w+::)*\w+\(\s*\"(\w+)\"")
 """A constructor that gives a name to its base class, a node."""
 _GIVEN = re.compile(r"[({,]\s*\*?(?:this|shared_from_this\(\)|weak_from_this\(\)|get_node\(\))\s*(?=[,)}])")
@@ -75,6 +74,8 @@ _OPEN = re.compile(
     r"|\bdeclare_parameters\s*\("
 )
 """Declarations of parameters whose names are in no literal of the source."""
+NODE_CLASSES = frozenset({"LifecycleNode", "Node", "BaseNode"})
+"""Base classes of nodes."""
 DYNAMIC_TYPING = "dynamic_typing"
 """Field of a descriptor that lets a parameter change its type."""
 LARGEST_SOURCE = 1 << 20
@@ -156,9 +157,9 @@ class _PackageReader:
             for declared in source.classes:
                 known = self._classes.setdefault(declared.name, ClassFacts(declared.name, declared.bases))
                 known.bases = known.bases or declared.bases
-            for match in _ALIAS.finditer(source.text):
-                self._aliases[match[1] or match[4]] = " ".join((match[2] or match[3]).split())
+            self._aliases |= {alias.rpartition("::")[2]: meaning for alias, meaning in source.aliases}
         self._names = {declared.name for source in self._sources.values() for declared in source.classes}
+        self._note_aliases()
         filters = {alias for alias, meaning in self._aliases.items() if _FILTER.search(meaning)}
         names = frozenset({*_DECLARING, *_ENDPOINTS, *_READING, *_MAKING, *filters, "subscribe", "create_server"})
         calls = [
@@ -179,6 +180,15 @@ class _PackageReader:
                     facts = self._facts(owner)
                     facts.default_name = facts.default_name or match[2]
         return {name: facts for name, facts in self._classes.items() if name}
+
+    def _note_aliases(self) -> None:
+        """Give another name of a class in a namespace all that the class has, as if it were derived from it."""
+        known = {*(name.rpartition("::")[2] for name in self._names), *NODE_CLASSES}
+        for alias, meaning in (pair for source in self._sources.values() for pair in source.aliases):
+            original = re.sub(r"<.*", "", meaning).strip()
+            scope, _, short = alias.rpartition("::")
+            if scope not in self._names and original.rpartition("::")[2] in known - {short}:
+                self._classes.setdefault(alias, ClassFacts(alias, (original,)))
 
     def _declared(self, owner: str) -> str:
         """Return the full name of a class; a .cpp file may leave the namespace out (`using namespace`)."""

@@ -52,12 +52,11 @@ def built_by(folder: Path, classes: Mapping[str, ClassFacts]) -> Built:
 
     ``classes`` are the classes of the package, to find the one that a program's main function uses.
     """
-    nodes = {
-        name.rpartition("::")[2]
-        for name, facts in classes.items()
-        if any(base.rpartition("::")[2].endswith("Node") for base in facts.bases)
-    }
-    reader = _Build(folder, {name.rpartition("::")[2]: name for name in classes}, nodes)
+    bases = {_short(name): {*map(_short, facts.bases)} for name, facts in classes.items()}
+    nodes = {name for name, of in bases.items() if any(base.endswith("Node") for base in of)}
+    while more := {name for name, of in bases.items() if of & nodes} - nodes:
+        nodes |= more
+    reader = _Build(folder, {_short(name): name for name in classes}, nodes)
     for path in sorted(folder.rglob("CMakeLists.txt")):
         if not {"test", "benchmark"} & set(path.relative_to(folder).parts):
             reader.read(path)
@@ -71,6 +70,10 @@ def built_by(folder: Path, classes: Mapping[str, ClassFacts]) -> Built:
     return Built(
         sorted(programs, key=lambda program: program.name), sorted(set(reader.components)), is_partial, reader.words
     )
+
+
+def _short(class_name: str) -> str:
+    return class_name.rpartition("::")[2]
 
 
 class _Build:
@@ -139,7 +142,7 @@ class _Build:
             words = [self._short[word] for word in re.findall(r"\b(\w+)\s+\w+\s*[({;]", main) if word in self._short]
             made: list[str] = [*_MADE.findall(main), *_MADE.findall(text), *words]
             if made:
-                return next((name for name in made if name.rpartition("::")[2] in self._nodes), made[0])
+                return next((name for name in made if _short(name) in self._nodes), made[0])
         return ""
 
     def _installed(self, folder: Path, words: list[str]) -> None:

@@ -24,6 +24,9 @@ _PARENTHESES = re.compile(r"\([^()]*\)")
 _INITIALIZERS = re.compile(r"\0[^\0:]*:(?!:)")
 """Beginning of a constructor's initializers, behind its arguments."""
 _BASE = re.compile(r"\b(?:public|protected|private|virtual)\s+")
+_ALIAS = re.compile(
+    r"\b(?:using\s+(?P<name>\w+)\s*=\s*(?P<type>.+)|typedef\s+(?P<old>.+?)\s+(?P<new>\w+))\s*$", re.DOTALL
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +62,8 @@ class CppSource:
         self._lines = [match.start() for match in re.finditer("\n", text)]
         self.classes: list[DeclaredClass] = []
         """Classes that the file declares with a body."""
+        self.aliases: list[tuple[str, str]] = []
+        """Names of types that the file makes with `using` or `typedef`, and what each of them stands for."""
         self._owners: list[tuple[int, int, str, bool]] = []
         self._read_blocks()
 
@@ -145,6 +150,11 @@ class CppSource:
                 kind, name, began = stack.pop()
                 if kind in ("function", "class"):
                     self._owners.append((began, position, name, kind == "class"))
+            elif character == ";" and (alias := _ALIAS.search(text, start, position)):
+                scope = next((name for kind, name, _ in reversed(stack) if kind != "block"), "")
+                name = alias["name"] or alias["new"]
+                meaning = " ".join((alias["type"] or alias["old"]).split())
+                self.aliases.append((f"{scope}::{name}" if scope else name, meaning))
             depth = max(0, depth + (character == "(") - (character == ")"))
             if character in "{};":
                 start, depth = position + 1, 0

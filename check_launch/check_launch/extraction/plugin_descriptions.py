@@ -9,6 +9,8 @@ from xml.etree import ElementTree
 
 from check_launch.catalogue.facts import Plugin
 
+_DECLARATION = re.compile(r"<\?xml[^>]*\?>")
+
 
 def plugins_of_package(folder: Path) -> Iterator[tuple[str, Plugin]]:
     """Yield the name and the facts of each plugin that the package in a folder describes."""
@@ -19,7 +21,9 @@ def plugins_of_package(folder: Path) -> Iterator[tuple[str, Plugin]]:
         if "base_class_type" not in text:
             continue
         try:
-            root = ElementTree.fromstring(text)  # noqa: S314  # of a checkout that the maintainer has chosen
+            # tinyxml2, with which pluginlib reads the file, accepts several elements at the top.
+            inside = _DECLARATION.sub("", text)
+            root = ElementTree.fromstring(f"<all>{inside}</all>")  # noqa: S314  # nothing is expanded or fetched
         except ElementTree.ParseError:
             continue
         for element in root.iter("class"):

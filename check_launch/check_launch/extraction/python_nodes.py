@@ -287,7 +287,10 @@ class _Reader:
         if name.rpartition(".")[2] == "qos_profile_sensor_data":
             return "best_effort", "volatile"
         if isinstance(node, ast.Call) and _short(node.func) == "QoSProfile":
-            given = {keyword.arg: _dotted(keyword.value).rpartition(".")[2].lower() for keyword in node.keywords}
+            options = {keyword.arg: keyword.value for keyword in node.keywords}
+            set_later = {policy: self._values.get(f"{name}.{policy}") for policy in ("reliability", "durability")}
+            options |= {policy: value for policy, value in set_later.items() if value is not None}
+            given = {option: _dotted(value).rpartition(".")[2].lower() for option, value in options.items()}
             reliability = given.get("reliability", "reliable").removeprefix("rmw_qos_policy_reliability_")
             durability = given.get("durability", "volatile").removeprefix("rmw_qos_policy_durability_")
             return (

@@ -127,7 +127,9 @@ def view_findings(
             unknown.append(given)
     for section, given in nested.items():
         message = f"the section '{section}' stands in the parameters of {shown}, so that it has no effect"
-        yield MisplacedParameter.at(given.place, message, f"move '{section}' out of '{shown}'")
+        own = view.loaded_node(given.name)  # whose type stands there, too, and has to stay
+        help = f"give '{own}' a section of its own" if own else f"move '{section}' out of '{shown}'"
+        yield MisplacedParameter.at(given.place, message, help)
     found = (view.unlisted(given.name) for given in unknown if not view.is_open(given.name))
     for group, listed in dict.fromkeys(filter(None, found)):
         inside = [given for given in unknown if given.name.startswith(f"{group}.")]

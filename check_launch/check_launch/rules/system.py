@@ -138,6 +138,9 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
 
 def _loaded_nodes(node: RunningNode, catalogue: Catalogue, system: System) -> Iterator[RunningNode]:
     """Yield the nodes that a node creates for plugins that its parameters name, such as a controller manager."""
+    # A spawner can give another name or namespace to a controller (controller_manager/spawner.py of Jazzy).
+    spawners = [other.started.arguments for other in system.nodes if other.started.executable == "spawner"]
+    renamed = {word for words in spawners if "--controller-ros-args" in words for word in words}
     for inner in node.facts.nodes if node.facts else ():
         if not inner.type_parameter or node.view is None:
             continue
@@ -149,14 +152,18 @@ def _loaded_nodes(node: RunningNode, catalogue: Catalogue, system: System) -> It
                     message = f"unknown plugin '{given.value}' for '{name}'"
                     system.findings.append(UnknownPlugin.at(given.place, message, did_you_mean(near)))
                 facts = catalogue.classes.get(plugin.class_name) if plugin else None
-                yield RunningNode(node.started, facts, match[1], node.namespace, is_inner=True)
+                is_known = match[1] not in renamed
+                yield RunningNode(node.started, facts, match[1], node.namespace, True, has_known_name=is_known)
 
 
 def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> None:
     """Find the topics and frames of RViz in its configuration, and displays that do not exist."""
     words = node.started.arguments
-    path = next((file for option, file in pairwise(words) if option in ("-d", "--display-config") and file), None)
-    read = read_rviz_file(path, node.started.shown(path)) if path else None
+    paths = [file for option, file in pairwise(words) if option in ("-d", "--display-config")]
+    read = read_rviz_file(paths[0], node.started.shown(paths[0])) if paths and paths[0] else None
+    is_open = bool(paths) if read is None else any(plugin not in catalogue.plugins for plugin, _ in read.plugins)
+    if node.view and is_open:
+        node.view.open.append("")  # a display that is not known, such as that of MoveIt, may read any parameter
     if read is None:
         return
     for plugin, place in read.plugins:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 
 from check_launch.expansion.expander import StartedRemapping
-from check_launch.misspellings import did_you_mean, is_near, nearest
+from check_launch.misspellings import did_you_mean, is_misspelling, is_near, nearest
 from check_launch.rules.launch_rules import (
     DifferentTypes,
     IncompatibleQos,
@@ -36,8 +36,6 @@ _OF_NODES = ("tf", "tf_static", "rosout", "clock", "parameter_events", "diagnost
 _OF_TOOLS = frozenset({"clicked_point", "goal_pose", "initialpose"})
 """Topics that tools of RViz publish unless somebody has named others."""
 _SIMILAR = 0.7
-_SHORT = 6
-"""Parts of a name with fewer letters may differ by one letter only to be a misspelling."""
 
 
 def used_remappings(system: System) -> set[Use]:
@@ -250,7 +248,7 @@ def _is_misspelling(topic: str, other: str, is_named: bool) -> bool:
         return False
     a, b = different[0]
     is_numbered = a.rstrip("0123456789") == b.rstrip("0123456789") and a[-1:].isdigit() and b[-1:].isdigit()
-    return not is_numbered and is_near(a, b, 1 if min(len(a), len(b)) < _SHORT else 2)
+    return not is_numbered and is_misspelling(a, b)
 
 
 def _behind(node: RunningNode, system: System) -> list[str]:
