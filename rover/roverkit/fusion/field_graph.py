@@ -12,9 +12,13 @@ other sightings are left out.
 The errors of the odometry (`slipping_motion`) are parts of each pose's variable, because they go on from
 one motion to the next one. So a motion of the graph is short, also while nothing is seen (`follow`).
 
-The sightings of one landmark that are used are some distance apart. The errors of sightings from one place are the
-same, so they tell nothing new. The graph grows with the distance that the rover drives, by a pose a metre, and by up to
-5 for each landmark that is seen alone.
+Errors of successive sightings of a landmark are alike: those of the calibration, of the side of the marker, of the
+light. How far they last is in no message. They are taken for a Gauss-Markov process over the way, with a correlation
+r = exp(-d / L) after the way d. The difference y - r x of a sighting y and the one before x is then independent of all
+before, and tells (1 - r) / (1 + r) = tanh(d / 2 L) of what an independent sighting tells about the place (Bayley and
+Hammersley, The effective number of independent observations in an autocorrelated time series, 1946). So the covariance
+of y is divided by this in the graph, but not in the gate. Sightings from nearly one place are not used. The graph grows
+with the distance that the rover drives, by a pose a metre, and by up to 5 for each landmark that is seen alone.
 """
 
 from __future__ import annotations
@@ -36,9 +40,11 @@ from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, squared_dist
 from roverkit.fusion.slipping_motion import ERRORS, pose_of, state_of
 from roverkit.gating import Reasons, chi_squared_tail, gate_limit
 
-_APART_M = 0.25
-_APART_RAD = 0.15
-"""Least distance and angle between two sightings of a landmark."""
+_ALIKE_M = 0.5
+_ALIKE_RAD = 0.3
+"""Distance, or turn of the rover, over which the errors of sightings of a landmark are alike (L)."""
+_NEW = 0.5
+"""Way since the last sighting of a landmark, in these units, from which another one is used."""
 _GPS_APART_M = 1.0
 """Least distance between two GPS positions: the errors of successive ones are nearly the same."""
 _STEP_M = 1.0
@@ -73,6 +79,8 @@ class _Sighting(NamedTuple):
     key: int
     point: OdometryPoint
     place: PlanarGaussian
+    news: float
+    """What it tells about the landmark, as a part of what an independent sighting tells."""
 
 
 class _Misfit(NamedTuple):
@@ -175,7 +183,8 @@ class FieldGraph(Generic[T]):
 
         Does nothing if the image is older than the last one, shows nothing new, or shows no surveyed landmark.
         """
-        detections = {landmark: place for landmark, place in detections.items() if self._is_new(landmark, point)}
+        news = {landmark: self._news(landmark, point) for landmark in detections}
+        detections = {landmark: place for landmark, place in detections.items() if news[landmark]}
         if not detections:
             return
         self._used.update(dict.fromkeys(detections, point))
@@ -196,7 +205,7 @@ class FieldGraph(Generic[T]):
         key = self._add_pose(point, start, values)
         grown = False
         for landmark, place in detections.items():
-            sighting, sight = _Sighting(key, point, place), predicted @ place
+            sighting, sight = _Sighting(key, point, place, news[landmark]), predicted @ place
             if self._fits(landmark, sight):
                 self._strange.pop(landmark, None)
                 if landmark in self._trusted:
@@ -215,9 +224,8 @@ class FieldGraph(Generic[T]):
                 continue
             self._seen[landmark] += len(sightings)
             for one in sightings:
-                factors.add(
-                    detection_factor(one.key, self._keys[landmark], one.place.pose, _robust(one.place.covariance))
-                )
+                noise = _robust(one.place.covariance / one.news)
+                factors.add(detection_factor(one.key, self._keys[landmark], one.place.pose, noise))
             # Each doubling of what is known about a landmark is a reason to ask again.
             grown |= _is_power_of_two(self._seen[landmark])
         self._solve(factors, values)
@@ -322,14 +330,15 @@ class FieldGraph(Generic[T]):
         self._add_pose(point, self._follow(point, factors), values)
         self._solve(factors, values)
 
-    def _is_new(self, landmark: T, point: OdometryPoint) -> bool:
-        """Return true if a sighting of a landmark at a point of the odometry tells something new."""
+    def _news(self, landmark: T, point: OdometryPoint) -> float:
+        """Return what a sighting at a point of the odometry tells, as a part of an independent one; 0 for nothing."""
         if landmark not in self._surveyed or (self._last is not None and point.stamp <= self._last.stamp):
-            return False
+            return 0.0
         if (used := self._used.get(landmark)) is None:
-            return True
-        turn = math.remainder(point.pose.yaw - used.pose.yaw, 2 * math.pi)
-        return point.pose.distance_to(used.pose) >= _APART_M or abs(turn) >= _APART_RAD
+            return 1.0
+        turn = abs(math.remainder(point.pose.yaw - used.pose.yaw, 2 * math.pi))
+        way = max(point.pose.distance_to(used.pose) / _ALIKE_M, turn / _ALIKE_RAD)
+        return math.tanh(way / 2) if way >= _NEW else 0.0
 
     def _follow(self, point: OdometryPoint, factors: Any) -> Floats:
         """Add the motion since the last pose to the factors, and return the state that follows from it."""

@@ -15,12 +15,14 @@ pytest.importorskip("gtsam", reason=NO_GTSAM)
 
 from roverkit.driving.arcs import PlanarPose
 from roverkit.fusion.field_factors import detection_factor, pose2
+from roverkit.fusion.field_graph import FieldGraph
 from roverkit.fusion.gtsam_library import gtsam
 from roverkit.fusion.landmark_agreement import agreeing
 from roverkit.fusion.odometry_track import OdometryPoint, OdometryTrack
 from roverkit.fusion.planar_gaussian import PlanarGaussian, adjoint, rotation, squared_distance, squared_way
 from roverkit.fusion.planar_landmarks import planar_detections
 from roverkit.fusion.slipping_motion import ERRORS, STATES, YawError, slipping_motion, state_of
+from roverkit.gating import Reasons
 from roverkit.vision import Landmark, Landmarks, Pose
 from roverkit.vision.poses.pose import quaternion_of, rotation_of
 
@@ -168,3 +170,17 @@ def test_odometry_that_was_started_again_begins_a_new_track() -> None:
     assert track.at(12_500_000_000) is None
     assert track.newest is not None
     assert not track.add(OdometryPoint(10**9, PlanarPose(), np.eye(3), 1.0))
+
+
+def test_sightings_in_between_tell_hardly_more_about_a_landmark() -> None:
+    """Their errors are alike: nine sightings on a way of 2 m leave the pose nearly as uncertain as three of them do."""
+    points = [OdometryPoint(10**9 * n, PlanarPose(0.25 * n), 1e-8 * np.eye(3), 0.0, 0.25 * n) for n in range(9)]
+    variances = []
+    for step in (1, 4):
+        graph = FieldGraph({7: PlanarGaussian(PlanarPose(4.0), 1e-6 * np.eye(3))}, Reasons())
+        for point in points[::step]:
+            graph.see({7: PlanarGaussian(point.pose.inverse() @ PlanarPose(4.0), 4e-4 * np.eye(3))}, point)
+        found = graph.pose(points[-1])
+        assert found is not None
+        variances.append(found.covariance[0, 0])
+    assert variances[0] > 0.8 * variances[1]
