@@ -53,7 +53,7 @@ _SEVERAL = 3
 """Sightings that must agree with each other before they contradict what is known about a landmark."""
 _RECENT = 10
 """Sightings of which the sum of the squared innovations is compared with chance."""
-_UNLIKELY = 1e-6
+_UNLIKELY = 1e-5
 """Probability of this sum from which chance does not explain it: there is a sum for each sighting of a long drive."""
 CAUSES = (
     "the wheels slip more than `slip` says, the rover was pushed, the gyroscope has another bias or scale, or the "
