@@ -193,9 +193,9 @@ def _blur_along_axes(by_pixel: Floats, blur: Floats) -> _Blur:
 def _window(differences: Floats, places: Floats, blur: _Blur) -> _Window:
     """Return the modules around each pixel; their number follows from the largest blur."""
     markers, lines, _ = differences.shape
-    widest = float(np.max(np.nan_to_num(blur.sigma, nan=np.inf, posinf=np.inf)))
+    widest = float(np.max(blur.sigma))
     width = min(max(math.ceil(2 * _SATURATED * widest), 1), lines) if widest < lines else lines
-    first = np.clip(np.rint(np.nan_to_num(places) - (width - 1) / 2), 0, lines - width).astype(np.intp)
+    first = np.clip(np.rint(places - (width - 1) / 2).astype(np.intp), 0, lines - width)
     # the sum of the mixed differences above and to the left of a module is its value
     values = np.zeros((markers, lines + 1, lines + 1), np.float32)
     values[:, 1:, 1:] = differences.cumsum(axis=1).cumsum(axis=2)
@@ -215,7 +215,8 @@ def _distances(window: _Window, differences: Floats, places: Floats, blur: _Blur
         row = np.arange(len(places))[:, None, None] * 2 + np.arange(2)[:, None]
         places_of_lines += offsets.astype(np.float32).ravel().take(row * count + lattice)
     distances = (places.astype(np.float32) - places_of_lines) * (1 / blur.sigma).astype(np.float32)
-    return np.clip(distances, -_REACH, _REACH, out=distances)
+    # unlike clip, these replace the NaN of a fit that has diverged
+    return np.fmax(np.fmin(distances, _REACH, out=distances), -_REACH, out=distances)
 
 
 def _line_values(window: _Window, distances: Singles) -> Iterator[_LineValues]:
@@ -269,7 +270,8 @@ def _by_lines(window: _Window, count: int, blur: _Blur, step: _LineValues, bell:
     across = np.einsum("bakn,bkn->akn", np.diff(window.modules, axis=1), step.modules[1])
     values = np.stack([across * bell.lines[0], np.diff(step.summed, axis=0) * bell.lines[1]], axis=2)
     values /= -blur.sigma.astype(np.float32)
-    by_lines = np.zeros((len(blur.sigma), 2, count, blur.sigma.shape[2]), np.float32)
+    inner = np.arange(1, count - 1)[:, None]
+    by_lines = np.zeros((*window.first.shape[:2], inner.size, window.first.shape[2]), np.float32)
     for place, value in enumerate(values):
-        np.put_along_axis(by_lines, (window.first + place)[:, :, None], value[:, :, None], axis=2)
-    return by_lines[:, :, 1:-1].reshape(len(by_lines), -1, by_lines.shape[3])
+        np.copyto(by_lines, value[:, :, None], where=(window.first + place)[:, :, None] == inner)
+    return by_lines.reshape(len(by_lines), -1, by_lines.shape[3])

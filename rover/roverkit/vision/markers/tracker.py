@@ -213,7 +213,8 @@ class Tracker:
             [solutions[:2] for *_, solutions in solved],
             given.side_sigma * given.covariance_scale,
         )
-        return tuple(self._sight(landmark, *known) for (landmark, *_), known in zip(solved, with_errors))
+        focal = math.sqrt(math.prod(self._camera.focal.tolist()))
+        return tuple(_sight(landmark, *known, focal) for (landmark, *_), known in zip(solved, with_errors))
 
     def _grey(self, image: Image) -> Image:
         height, width = image.shape[:2]
@@ -242,8 +243,8 @@ class Tracker:
         # If no marker is where it was, the frame may show another place.
         thorough = stamp - self._searched >= self._thorough_s * 1e9 or (due and bool(lost) and not seen)
         scanned = due or thorough or len(lost) > _REGIONS
-        found = self._scan(grey, stamp, thorough=thorough) if scanned else []
-        numbers = [detection.number for detection in _distinct(found, seen)]
+        found = _distinct(self._scan(grey, stamp, thorough=thorough), seen) if scanned else []
+        numbers = [detection.number for detection in found]
         for track in lost:
             if track.number in numbers:
                 numbers.remove(track.number)
@@ -385,47 +386,49 @@ class Tracker:
             shared=shifts[..., 2:].reshape(2 * count, -1),
         )
 
-    def _sight(self, landmark: _Landmark, seen: Corners, solutions: Sequence[Solution]) -> LandmarkDetection:
-        stamp = landmark.tracks[0].stamp
-        probabilities = landmark.flips.weigh(solutions, stamp)
-        chosen = probabilities.index(max(probabilities))
-        best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
-        other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
-        possible = [
-            (probability, solution.pose, solution.covariance)
-            for probability, solution in zip(probabilities, solutions)
-            if probability > _IMPOSSIBLE
-        ]
-        return LandmarkDetection(
-            id=landmark.id,
-            stamp=stamp,
-            corners=np.concatenate([track.corners for track in landmark.tracks]),
-            pose=best.pose,
-            covariance=mixed_covariance(best.pose, possible),
-            probability=probabilities[chosen],
-            ambiguity=other / max(best.error, 1e-12),
-            error=best.error * focal,
-            seen=seen,
-            solutions=tuple(solutions),
-            shared=landmark.shared,
-        )
+
+def _sight(landmark: _Landmark, seen: Corners, solutions: Sequence[Solution], focal: float) -> LandmarkDetection:
+    stamp = landmark.tracks[0].stamp
+    probabilities = landmark.flips.weigh(solutions, stamp)
+    chosen = probabilities.index(max(probabilities))
+    best = solutions[chosen]
+    other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
+    possible = [
+        (probability, solution.pose, solution.covariance)
+        for probability, solution in zip(probabilities, solutions)
+        if probability > _IMPOSSIBLE
+    ]
+    return LandmarkDetection(
+        id=landmark.id,
+        stamp=stamp,
+        corners=np.concatenate([track.corners for track in landmark.tracks]),
+        pose=best.pose,
+        covariance=mixed_covariance(best.pose, possible),
+        probability=probabilities[chosen],
+        ambiguity=other / max(best.error, 1e-12),
+        error=best.error * focal,
+        seen=seen,
+        solutions=tuple(solutions),
+        shared=landmark.shared,
+    )
 
 
-def _distinct(found: Iterable[MarkerDetection], seen: Iterable[_Track]) -> list[MarkerDetection]:
+def _distinct(found: Sequence[MarkerDetection], seen: Sequence[_Track]) -> list[MarkerDetection]:
     """Return the detections of markers that are not seen yet; of several detections of a marker, the largest one."""
-    distinct: list[MarkerDetection | _Track] = list(seen)
-    known = len(distinct)
-    for detection in sorted(found, key=lambda detection: -extent(detection.corners)):
-        if not any(_is_same(detection, other) for other in distinct):
+    known = len(seen)
+    corners = np.array([one.corners for one in (*seen, *found)]).reshape(-1, 4, 2)
+    middles, sizes = corners.mean(axis=1).tolist(), np.ptp(corners, axis=1).mean(axis=1).tolist()
+    of_number: dict[int, list[int]] = {}
+    for place, track in enumerate(seen):
+        of_number.setdefault(track.number, []).append(place)
+    distinct = []
+    for place in sorted(range(known, len(corners)), key=lambda place: -sizes[place]):
+        detection = found[place - known]
+        others = of_number.setdefault(detection.number, [])
+        if all(math.dist(middles[place], middles[one]) >= max(sizes[place], sizes[one]) / 2 for one in others):
+            others.append(place)
             distinct.append(detection)
-    return [detection for detection in distinct[known:] if isinstance(detection, MarkerDetection)]
-
-
-def _is_same(marker: MarkerDetection | _Track, other: MarkerDetection | _Track) -> bool:
-    """Return true if these are the same marker, and not two markers with the same number."""
-    if marker.number != other.number:
-        return False
-    return _distance(marker.corners, other.corners) < max(extent(marker.corners), extent(other.corners)) / 2
+    return distinct
 
 
 def _distance(corners: Floats, others: Floats) -> float:

@@ -7,7 +7,7 @@ plane z = 1), so no model of the lens is needed here. A landmark is a marker or 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -118,12 +118,17 @@ def solve(seen: Sequence[Corners], starts: Sequence[Sequence[Pose]]) -> list[lis
     Landmarks with the same number of corners are refined together, because numpy is slow on small arrays.
     """
     found: list[list[Solution]] = [[] for _ in seen]
-    by_count: dict[int, list[_Start]] = {}
-    for owner, (corners, poses) in enumerate(zip(seen, starts)):
-        if (whitening := _whitening(corners)) is not None:
-            group = by_count.setdefault(len(corners.points), [])
-            group += [_Start(owner, corners, whitening, pose) for pose in poses]
-    for group in by_count.values():
+    by_count: dict[int, list[int]] = {}
+    for owner, corners in enumerate(seen):
+        by_count.setdefault(len(corners.points), []).append(owner)
+    for owners in by_count.values():
+        whitening = _whitening(np.stack([seen[owner].covariance for owner in owners]))
+        group = [
+            _Start(owner, seen[owner], its_whitening, pose)
+            for owner, its_whitening in zip(owners, whitening)
+            for pose in starts[owner]
+            if np.isfinite(its_whitening).all()
+        ]
         for start, solution in zip(group, _solutions(group)):
             if solution:
                 found[start.owner].append(solution)
@@ -140,14 +145,17 @@ class _Start(NamedTuple):
     pose: Pose
 
 
-def _whitening(corners: Corners) -> Floats | None:
-    """Return the matrix (2N, 2N) that makes the errors of the rays independent with variance 1; None if none exists."""
+def _whitening(covariance: Floats) -> Floats:
+    """Return the matrices (P, 2N, 2N) that make errors with covariances (P, 2N, 2N) independent with variance 1.
+
+    A matrix is NaN if the covariance is not positive definite: two corners are at one place, or not finite.
+    """
     try:
-        # cholesky raises for a covariance that is not positive definite: two corners at one place, or numbers that are
-        # not finite.
-        return np.linalg.inv(np.linalg.cholesky(corners.covariance))
+        return np.linalg.inv(np.linalg.cholesky(covariance))
     except np.linalg.LinAlgError:
-        return None
+        if len(covariance) == 1:
+            return np.full_like(covariance, np.nan)
+        return np.concatenate([_whitening(one[None]) for one in covariance])
 
 
 def _different(solutions: list[Solution]) -> list[Solution]:
@@ -308,15 +316,16 @@ def with_all_errors(
             mine = [row for row, (other, _) in enumerate(rows) if other == owner]
             factor = _excess(float(np.min(chi2[mine])), seen[owner])
             known = [
-                replace(rows[row][1], covariance=factor * covariance[row], chi2=float(chi2[row]) / factor)
+                Solution(rows[row][1].pose, factor * covariance[row], float(chi2[row]) / factor, rows[row][1].error)
                 for row in mine
             ]
             corners, own = seen[owner], seen[owner].own
-            wider = replace(
-                corners,
-                covariance=corners.covariance * factor,
-                own=None if own is None else own * factor,
-                shared=shared[owner] * factor**0.5,
+            wider = Corners(
+                corners.points,
+                corners.rays,
+                corners.covariance * factor,
+                None if own is None else own * factor,
+                shared[owner] * factor**0.5,
             )
             results[owner] = wider, sorted(known, key=lambda solution: solution.chi2)
     return [results[owner] for owner in range(len(seen))]
