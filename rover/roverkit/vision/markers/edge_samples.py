@@ -47,6 +47,8 @@ class MarkerBatch:
 
     def only(self, chosen: NDArray[np.intp]) -> MarkerBatch:
         """Return a batch with only some of the markers."""
+        if len(chosen) == len(self.scale):
+            return self
         return MarkerBatch(
             self.differences[chosen],
             self.places[chosen],
@@ -77,6 +79,8 @@ class Pixels:
 
     def only(self, chosen: NDArray[np.intp]) -> Pixels:
         """Return a selection with the pixels of only some markers."""
+        if len(chosen) == len(self.grey):
+            return self
         return Pixels(*(part[chosen] for part in (self.grey, self.points, self.by_pixel, self.real)))
 
 
@@ -115,7 +119,14 @@ def homographies(points: Floats) -> Floats:
     return whole.reshape(-1, 3, 3)
 
 
-def apply(homography: Floats, points: Floats) -> tuple[Floats, Floats]:
+def apply(homography: Floats, points: Floats) -> Floats:
+    """Map points (K, 2, N) by homographies (K, 3, 3)."""
+    lifted = homography[:, :, :2] @ points + homography[:, :, 2:]
+    images: Floats = lifted[:, :2] / lifted[:, 2:]
+    return images
+
+
+def apply_with_derivative(homography: Floats, points: Floats) -> tuple[Floats, Floats]:
     """Map points (K, 2, N) by homographies (K, 3, 3).
 
     Returns the mapped points (K, 2, N), and their derivative (K, 2, 2, N) with respect to the given points.
@@ -151,7 +162,7 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, batch: Mar
     are undistorted, because undistorting each pixel would be slow. The ray of a pixel follows from the nearest point on
     an edge and the derivative of the undistortion at this point.
     """
-    points, by_square = apply(homography, batch.places / batch.half - 1)
+    points, by_square = apply_with_derivative(homography, batch.places / batch.half - 1)
     rays = points * batch.scale[:, None, None] + batch.centre[:, :, None]
     seen, slope = camera.distort_with_derivative(rays.transpose(0, 2, 1))
     seen, by_pixel = seen.transpose(0, 2, 1), _inverse(np.moveaxis(slope, 1, -1)) / batch.scale[:, None, None, None]

@@ -33,7 +33,7 @@ from roverkit.vision.markers.edge_samples import (
     SQUARE,
     MarkerBatch,
     Pixels,
-    apply,
+    apply_with_derivative,
     choose_pixels,
     homographies,
     make_batch,
@@ -53,8 +53,8 @@ from roverkit.vision.markers.pattern import Pattern, predict_grey
 #
 # With motion blur of 6 px, the error at 48 px is 0.060 percent (APRILTAG 0.24), and with a print of 100 pixels 0.020
 # (APRILTAG 0.10).
-COARSE = 3
-"""Stride of the first steps: they use only every third pixel, to be faster."""
+COARSE = 2
+"""Stride of the first steps: they use only every second pixel, to be faster."""
 COARSE_STEPS = 3
 """Largest number of Gauss-Newton steps with every `COARSE`-th pixel."""
 FINE_STEPS = 8
@@ -66,6 +66,8 @@ NEAR = 0.2
 
 A Gauss-Newton step leaves an error that is quadratic in the motion: here less than half a standard deviation.
 """
+NEAR_LOOSE = 0.02
+"""As `NEAR`, for a marker whose inner lines turned out to be misplaced: at first, most of their pixels are outliers."""
 UNSETTLED = 0.5
 """Motion of corners in pixels in the last step above which the fit has diverged."""
 OUTLIERS = (3.0, 5.0)
@@ -89,6 +91,12 @@ RIGID = 1e12
 _MAD_TO_SIGMA = 1.4826  # for a normal distribution: 1 / 0.6745
 _ROUNDING = 0.3  # standard deviation of rounding to whole grey levels: 1 / sqrt(12)
 _RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible
+_FEW = 4  # a step for a quarter of the markers takes half as long as for all of them
+
+# The fit of a frame needs some megabytes for a moment. The allocator of glibc gives such memory back to the system, and
+# gets it again page by page, which takes an eighth of the tracker's time. Freeing one large block raises its limits to
+# the size of this block (mallopt(3): M_MMAP_THRESHOLD, M_TRIM_THRESHOLD). Elsewhere, this does nothing.
+np.empty(1 << 24, np.uint8)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -214,7 +222,7 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
         pixel = batch.scale * float(np.max(camera.focal))  # pixels per unit of the scaled rays
         active, coarse = np.flatnonzero(visible), pixels.every(COARSE)
         for _ in range(COARSE_STEPS):
-            if not active.size:
+            if active.size <= len(guesses) // _FEW:
                 break
             before, part = state.only(active), coarse.only(active)
             moved, _unused = _step(batch.only(active), before, part, SMOOTH)
@@ -253,7 +261,7 @@ def _settle(
     `pixel` (K,) is the number of pixels per unit of the scaled rays. Returns a mask (K,) of the markers that did not
     diverge, and their last steps.
     """
-    shift, active = np.full(len(pixel), np.inf), np.arange(len(pixel))
+    shift, active, at_first = np.full(len(pixel), np.inf), np.arange(len(pixel)), rigidity.copy()
     for _ in range(FINE_STEPS):
         before, known = state.only(active), rigidity[active]
         moved, newer = _step(batch.only(active), before, pixels.only(active), degree, known)
@@ -262,10 +270,13 @@ def _settle(
         else:
             outcome.put(active, newer)
         state.put(active, moved)
-        shift[active] = _shift(before, moved) * pixel[active]
+        earlier, shift[active] = shift[active], _shift(before, moved) * pixel[active]
         rigidity[active] = np.where(shift[active] < NEAR, _rigidity(newer, before.lines), known)
-        loosened = (known == RIGID) & (rigidity[active] < RIGID)
-        active = active[~(shift[active] < NEAR) | loosened]
+        loose = (at_first == RIGID) & (rigidity < RIGID)
+        # Pixels at the limit of outliers, or at that of the blur, can keep a fit from coming to rest.
+        near = np.where(loose[active] & (shift[active] < earlier / 2), NEAR_LOOSE, NEAR)
+        loosened = loose[active] & (known == RIGID)
+        active = active[~(shift[active] < near) | loosened]
         if not active.size:
             break
     return shift < UNSETTLED, outcome
@@ -397,10 +408,12 @@ def _rigidity(outcome: _Outcome, lines: Floats) -> Floats:
     offsets is estimated with the method of DerSimonian and Laird (1986).
     """
     free = np.arange(outcome.rigid, outcome.normal.shape[1])
-    inverse = np.linalg.inv(_regular(outcome.normal))
-    offsets = lines.reshape(len(lines), -1) + (inverse @ outcome.right[:, :, None])[:, free, 0]
+    columns = np.broadcast_to(np.eye(len(outcome.normal[0]))[:, free], (len(lines), outcome.normal.shape[1], free.size))
+    wanted = np.concatenate([columns, outcome.right[:, :, None]], axis=2)
+    solution = np.linalg.solve(_regular(outcome.normal), wanted)[:, free]
+    offsets = lines.reshape(len(lines), -1) + solution[:, :, -1]
     variance = outcome.variance()
-    precision = 1 / np.maximum(inverse.diagonal(axis1=1, axis2=2)[:, free], 1e-12) / variance[:, None]
+    precision = 1 / np.maximum(solution.diagonal(axis1=1, axis2=2), 1e-12) / variance[:, None]
     chi2 = (offsets**2 * precision).sum(axis=1)
     excess = (chi2 - free.size) / precision.sum(axis=1)
     return np.where(chi2 > gate_limit(free.size), variance / np.maximum(excess, 1e-12), RIGID)
@@ -454,7 +467,7 @@ def _design(batch: MarkerBatch, state: _State, pixels: Pixels, degree: int, *, w
     moves while the pixel stays, the pixel sees the pattern move in the opposite direction.
     """
     # single precision is twice as fast; the normal equations are solved in double precision
-    square, by_point = apply(np.linalg.inv(state.homography).astype(np.float32), pixels.points)
+    square, by_point = apply_with_derivative(np.linalg.inv(state.homography).astype(np.float32), pixels.points)
     by_pixel = product(by_point, pixels.by_pixel) * batch.half
     places = square * batch.half + batch.half
     blur = state.blur.astype(np.float32)
@@ -490,7 +503,7 @@ def _fits(
     normal[:, free, free] += rigidity[:, None]
     usable = np.isfinite(normal).all(axis=(1, 2))
     variance = outcome.variance()
-    homography = np.eye(normal.shape[1], 8)
+    homography = np.broadcast_to(np.eye(normal.shape[1], 8), (*normal.shape[:2], 8))
     by_unknowns = np.linalg.solve(_regular(normal), homography)[:, :8] * variance[:, None, None]
     corners, by_homography = _corners(state.homography)
     scale = batch.scale[:, None, None]

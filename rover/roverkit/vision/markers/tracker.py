@@ -415,6 +415,8 @@ def _sight(landmark: _Landmark, seen: Corners, solutions: Sequence[Solution], fo
 
 def _distinct(found: Sequence[MarkerDetection], seen: Sequence[_Track]) -> list[MarkerDetection]:
     """Return the detections of markers that are not seen yet; of several detections of a marker, the largest one."""
+    if not found:
+        return []
     known = len(seen)
     corners = np.array([one.corners for one in (*seen, *found)]).reshape(-1, 4, 2)
     middles, sizes = corners.mean(axis=1).tolist(), np.ptp(corners, axis=1).mean(axis=1).tolist()

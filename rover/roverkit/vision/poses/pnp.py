@@ -338,8 +338,10 @@ def mixed_covariance(pose: Pose, possible: Sequence[tuple[float, Pose, Floats]])
     """
     whole = np.zeros((6, 6))
     for probability, other, covariance in possible:
-        change = pose.change_to(other)
-        whole += probability * (covariance + np.outer(change, change))
+        whole += probability * covariance
+        if other is not pose:
+            change = pose.change_to(other)
+            whole += probability * np.outer(change, change)
     return whole
 
 
