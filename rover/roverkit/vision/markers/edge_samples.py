@@ -75,7 +75,7 @@ class Pixels:
 
     def every(self, stride: int) -> Pixels:
         """Return a selection with only every `stride`-th pixel."""
-        return Pixels(*(part[..., ::stride] for part in (self.grey, self.points, self.by_pixel, self.real)))
+        return Pixels(*(part[..., ::stride].copy() for part in (self.grey, self.points, self.by_pixel, self.real)))
 
     def only(self, chosen: NDArray[np.intp]) -> Pixels:
         """Return a selection with the pixels of only some markers."""
@@ -184,14 +184,18 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, batch: Mar
     count = distinct.sum(axis=1)
     most = max(int(count.max(initial=0)), 1)
     real = np.arange(most) < count[:, None]
+    # Neighbours in the order are at different distances from an edge, so `Pixels.every` takes pixels of all kinds.
+    edges, offsets = seen.shape[2], len(ACROSS)
+    in_order = distinct.reshape(-1, offsets, edges).swapaxes(1, 2).reshape(distinct.shape)
+    order = np.argsort(~in_order, axis=1, kind="stable")[:, :most]
     # padding is at the first point, so that its blur in modules is that of the others
-    chosen = np.where(real, np.argsort(~distinct, axis=1, kind="stable")[:, :most], 0)
+    chosen = np.where(real, order % offsets * edges + order // offsets, 0)
     marker = np.arange(len(chosen))[:, None]
     moved_points = (points.astype(np.float32)[:, :, None] + _turned(by_pixel, moved)).reshape(len(chosen), 2, -1)
     return Pixels(
         image[rows[marker, chosen], columns[marker, chosen]] * real.astype(np.float32),
         np.take_along_axis(moved_points, chosen[:, None], axis=2),
-        np.take_along_axis(by_pixel, chosen[:, None, None] % seen.shape[2], axis=3),
+        np.take_along_axis(by_pixel, chosen[:, None, None] % edges, axis=3),
         real.astype(np.float32),
     )
 

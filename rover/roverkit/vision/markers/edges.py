@@ -62,12 +62,12 @@ FINE_STEPS = 8
 COARSE_NEAR = 0.5
 """Motion of corners in pixels per step below which all pixels are used from the next step on."""
 NEAR = 0.2
-"""Motion of corners in pixels per step below which the fit has converged: another step would change it by less noise.
+"""Motion of corners in pixels per step below which a marker of the previous frame has converged.
 
 A Gauss-Newton step leaves an error that is quadratic in the motion: here less than half a standard deviation.
 """
-NEAR_LOOSE = 0.02
-"""As `NEAR`, for a marker whose inner lines turned out to be misplaced: at first, most of their pixels are outliers."""
+SETTLED = 0.05
+"""As `NEAR`, for a marker whose inner lines are unknown: if they are misplaced, many pixels are outliers at first."""
 UNSETTLED = 0.5
 """Motion of corners in pixels in the last step above which the fit has diverged."""
 OUTLIERS = (3.0, 5.0)
@@ -216,6 +216,7 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
         np.stack([guess.lines if guess.lines is not None else _straight(guess.pattern) for guess in guesses]),
     )
     rigidity = np.array([guess.rigidity for guess in guesses])
+    settled = np.array([SETTLED if guess.lines is None else NEAR for guess in guesses])
     with np.errstate(all="ignore"):  # a wrong guess may diverge; it is rejected below
         pixels = choose_pixels(image, camera, batch, state.homography)
         visible &= pixels.real.sum(axis=1) >= _PIXELS * _rigid_unknowns(SMOOTH)
@@ -238,8 +239,8 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
                 state.only(chosen),
                 pixels.only(chosen),
             )
-            pixel, rigidity = pixel[chosen], rigidity[chosen]
-            rests, outcome = _settle(batch, state, pixels, rigidity, pixel, degree)
+            pixel, rigidity, settled = pixel[chosen], rigidity[chosen], settled[chosen]
+            rests, outcome = _settle(batch, state, pixels, rigidity, pixel, settled, degree)
             good = zip(markers.tolist(), _fits(batch, state, pixels, outcome, rigidity))
             fits |= {marker: fit for (marker, fit), rest in zip(good, rests.tolist()) if fit and rest}
             if degree == SMOOTH:
@@ -254,14 +255,16 @@ def _settle(
     pixels: Pixels,
     rigidity: Floats,
     pixel: Floats,
+    settled: Floats,
     degree: int,
 ) -> tuple[NDArray[np.bool_], _Outcome]:
     """Make steps with all pixels until all markers rest. Changes `state` and `rigidity`.
 
-    `pixel` (K,) is the number of pixels per unit of the scaled rays. Returns a mask (K,) of the markers that did not
+    `pixel` (K,) is the number of pixels per unit of the scaled rays, and `settled` (K,) the motion in pixels per step
+    below which a marker rests. Returns a mask (K,) of the markers that did not
     diverge, and their last steps.
     """
-    shift, active, at_first = np.full(len(pixel), np.inf), np.arange(len(pixel)), rigidity.copy()
+    shift, active = np.full(len(pixel), np.inf), np.arange(len(pixel))
     for _ in range(FINE_STEPS):
         before, known = state.only(active), rigidity[active]
         moved, newer = _step(batch.only(active), before, pixels.only(active), degree, known)
@@ -272,11 +275,10 @@ def _settle(
         state.put(active, moved)
         earlier, shift[active] = shift[active], _shift(before, moved) * pixel[active]
         rigidity[active] = np.where(shift[active] < NEAR, _rigidity(newer, before.lines), known)
-        loose = (at_first == RIGID) & (rigidity < RIGID)
+        loosened = (known == RIGID) & (rigidity[active] < RIGID)
         # Pixels at the limit of outliers, or at that of the blur, can keep a fit from coming to rest.
-        near = np.where(loose[active] & (shift[active] < earlier / 2), NEAR_LOOSE, NEAR)
-        loosened = loose[active] & (known == RIGID)
-        active = active[~(shift[active] < near) | loosened]
+        resting = (shift[active] <= settled[active]) | ((shift[active] < NEAR) & (shift[active] > earlier / 2))
+        active = active[~resting | loosened]
         if not active.size:
             break
     return shift < UNSETTLED, outcome
