@@ -182,7 +182,7 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, batch: Mar
     columns, rows = np.where(usable[:, None], places, 0).astype(np.intp).reshape(len(places), 2, -1).swapaxes(0, 1)
     distinct = _first_uses(columns, rows, usable.reshape(columns.shape))
     count = distinct.sum(axis=1)
-    most = max(int(count.max(initial=0)), 1)
+    most = max(int(np.max(count, initial=0)), 1)
     real = np.arange(most) < count[:, None]
     # Neighbours in the order are at different distances from an edge, so `Pixels.every` takes pixels of all kinds.
     edges, offsets = seen.shape[2], len(ACROSS)

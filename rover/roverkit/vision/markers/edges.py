@@ -91,7 +91,7 @@ RIGID = 1e12
 _MAD_TO_SIGMA = 1.4826  # for a normal distribution: 1 / 0.6745
 _ROUNDING = 0.3  # standard deviation of rounding to whole grey levels: 1 / sqrt(12)
 _RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible
-_FEW = 4  # a step for a quarter of the markers takes half as long as for all of them
+_FEW = 4  # a step for up to a quarter of the markers takes half as long as for all of them
 
 # The fit of a frame needs some megabytes for a moment. The allocator of glibc gives such memory back to the system, and
 # gets it again page by page, which takes an eighth of the tracker's time. Freeing one large block raises its limits to
@@ -184,7 +184,7 @@ class _Outcome:
     @property
     def rigid(self) -> int:
         """Number of unknowns without the offsets of inner lines."""
-        return _GEOMETRY + 2 * self.terms.shape[1] + 1
+        return _GEOMETRY + 2 * len(self.terms[0]) + 1
 
     def variance(self) -> Floats:
         """Return the variance (K,) of the residuals after the step."""
@@ -261,8 +261,7 @@ def _settle(
     """Make steps with all pixels until all markers rest. Changes `state` and `rigidity`.
 
     `pixel` (K,) is the number of pixels per unit of the scaled rays, and `settled` (K,) the motion in pixels per step
-    below which a marker rests. Returns a mask (K,) of the markers that did not
-    diverge, and their last steps.
+    below which a marker rests. Returns a mask (K,) of the markers that did not diverge, and their last steps.
     """
     shift, active = np.full(len(pixel), np.inf), np.arange(len(pixel))
     for _ in range(FINE_STEPS):

@@ -219,7 +219,8 @@ def _distances(window: _Window, differences: Floats, places: Floats, blur: _Blur
         places_of_lines += offsets.astype(np.float32).ravel().take(row * count + lattice)
     distances = (places.astype(np.float32) - places_of_lines) * (1 / blur.sigma).astype(np.float32)
     # unlike clip, these replace the NaN of a fit that has diverged
-    return np.fmax(np.fmin(distances, _REACH, out=distances), -_REACH, out=distances)
+    limited: Singles = np.fmax(np.fmin(distances, _REACH, out=distances), -_REACH, out=distances)
+    return limited
 
 
 def _line_values(window: _Window, distances: Singles) -> _LineValues:

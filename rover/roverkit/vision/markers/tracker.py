@@ -418,7 +418,7 @@ def _distinct(found: Sequence[MarkerDetection], seen: Sequence[_Track]) -> list[
     if not found:
         return []
     known = len(seen)
-    corners = np.array([one.corners for one in (*seen, *found)]).reshape(-1, 4, 2)
+    corners = np.array([track.corners for track in seen] + [detection.corners for detection in found]).reshape(-1, 4, 2)
     middles, sizes = corners.mean(axis=1).tolist(), np.ptp(corners, axis=1).mean(axis=1).tolist()
     of_number: dict[int, list[int]] = {}
     for place, track in enumerate(seen):
