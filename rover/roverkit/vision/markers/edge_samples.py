@@ -214,7 +214,7 @@ def _first_uses(columns: NDArray[np.intp], rows: NDArray[np.intp], usable: NDArr
     end = np.cumsum(width * height)
     position = (end - width * height - low[1] * width - low[0])[:, None] + rows * width[:, None] + columns
     position = position[marker, place]
-    first = np.empty(end[-1], np.intp)
+    first = np.empty(end[-1], np.int32)
     order = np.arange(position.size)
     first[position[::-1]] = order[::-1]  # the last value stays
     distinct = np.zeros_like(usable)

@@ -155,11 +155,7 @@ class _State:
 
     def put(self, chosen: NDArray[np.intp], moved: _State) -> None:
         """Replace the unknowns of some markers."""
-        self.homography[chosen], self.blur[chosen], self.lines[chosen] = (
-            moved.homography,
-            moved.blur,
-            moved.lines,
-        )
+        self.homography[chosen], self.blur[chosen], self.lines[chosen] = moved.homography, moved.blur, moved.lines
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -234,11 +230,7 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
         for degree in (SMOOTH, LOCAL):
             if not chosen.size:
                 break
-            batch, state, pixels = (
-                batch.only(chosen),
-                state.only(chosen),
-                pixels.only(chosen),
-            )
+            batch, state, pixels = batch.only(chosen), state.only(chosen), pixels.only(chosen)
             pixel, rigidity, settled = pixel[chosen], rigidity[chosen], settled[chosen]
             rests, outcome = _settle(batch, state, pixels, rigidity, pixel, settled, degree)
             good = zip(markers.tolist(), _fits(batch, state, pixels, outcome, rigidity))
@@ -250,13 +242,7 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
 
 
 def _settle(
-    batch: MarkerBatch,
-    state: _State,
-    pixels: Pixels,
-    rigidity: Floats,
-    pixel: Floats,
-    settled: Floats,
-    degree: int,
+    batch: MarkerBatch, state: _State, pixels: Pixels, rigidity: Floats, pixel: Floats, settled: Floats, degree: int
 ) -> tuple[NDArray[np.bool_], _Outcome]:
     """Make steps with all pixels until all markers rest. Changes `state` and `rigidity`.
 
@@ -324,11 +310,7 @@ def _straight(pattern: Pattern) -> Floats:
 
 
 def _step(
-    batch: MarkerBatch,
-    state: _State,
-    pixels: Pixels,
-    degree: int,
-    rigidity: Floats | None = None,
+    batch: MarkerBatch, state: _State, pixels: Pixels, degree: int, rigidity: Floats | None = None
 ) -> tuple[_State, _Outcome]:
     """Make one Gauss-Newton step for all markers, in which outliers have no weight; return the new state.
 
@@ -340,14 +322,15 @@ def _step(
     light, residuals, known = _lit(design[:, _GEOMETRY:rigid], pixels)
     count = _terms_count(degree)
     terms = design[:, _GEOMETRY : _GEOMETRY + count].copy()
-    contrast = light[:, None, count:-1] @ terms
-    roots = np.sqrt(_weights(residuals, known))
+    weights = _weights(residuals, known)
+    roots = np.sqrt(weights)[:, None]
+    contrast = light[:, None, count:-1] @ terms * roots
     # Variable projection: the light is solved linearly first, then all unknowns take one step together.
-    design[:, :_GEOMETRY] *= contrast * roots[:, None]
-    design[:, _GEOMETRY:rigid] *= roots[:, None]
-    design[:, rigid:] *= contrast * roots[:, None]
-    missed = residuals * roots
-    normal = (design @ design.transpose(0, 2, 1)).astype(float)  # numpy is fast if both factors are the same array
+    design[:, :_GEOMETRY] *= contrast
+    design[:, _GEOMETRY:rigid] *= roots
+    design[:, rigid:] *= contrast
+    missed = residuals * roots[:, 0]
+    normal = (design @ design.transpose(0, 2, 1)).astype(float)  # faster if both factors are the same array
     right = (design @ missed[:, :, None]).astype(float)
     held, towards = normal, right
     if rigidity is not None:
@@ -356,12 +339,12 @@ def _step(
         held[:, free, free] += rigidity[:, None]
         towards[:, free, 0] -= rigidity[:, None] * state.lines.reshape(len(normal), -1)
     change = _solve(held, towards)
-    left = roots * (missed - (change.astype(np.float32)[:, None] @ design)[:, 0])
+    left = roots[:, 0] * (missed - (change.astype(np.float32)[:, None] @ design)[:, 0])
     homography = state.homography.copy()
     homography.reshape(-1, 9)[:, :8] += change[:, :8]
     blur = _possible(state.blur + change[:, [8, 9, 9, 10]].reshape(-1, 2, 2))
     lines = state.lines + change[:, rigid:].reshape(state.lines.shape) if rigidity is not None else state.lines
-    outcome = _Outcome(normal, right[..., 0], terms, light[:, count], residuals, roots * roots, left)
+    outcome = _Outcome(normal, right[..., 0], terms, light[:, count], residuals, weights, left)
     return _State(homography, blur, lines), outcome
 
 
@@ -451,8 +434,7 @@ def _weights(residuals: Floats, real: Floats) -> Floats:
     sizes = np.abs(residuals) - (1 - real)  # padding sorts first
     count = real.sum(axis=1).astype(np.intp)
     middle = np.sort(sizes, axis=1)[
-        np.arange(len(sizes)),
-        np.minimum(real.shape[1] - count + count // 2, real.shape[1] - 1),
+        np.arange(len(sizes)), np.minimum(real.shape[1] - count + count // 2, real.shape[1] - 1)
     ]
     sigma = _MAD_TO_SIGMA * middle + _ROUNDING
     full, none = OUTLIERS
@@ -491,13 +473,7 @@ def _design(batch: MarkerBatch, state: _State, pixels: Pixels, degree: int, *, w
     return design
 
 
-def _fits(
-    batch: MarkerBatch,
-    state: _State,
-    pixels: Pixels,
-    outcome: _Outcome,
-    rigidity: Floats,
-) -> list[Fit | None]:
+def _fits(batch: MarkerBatch, state: _State, pixels: Pixels, outcome: _Outcome, rigidity: Floats) -> list[Fit | None]:
     """Return the results of the fit, given the last steps; None for a marker whose covariance is not finite."""
     normal = outcome.normal.copy()
     free = np.arange(outcome.rigid, normal.shape[1])
