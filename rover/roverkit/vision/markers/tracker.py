@@ -13,6 +13,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate, pairwise
 
 import numpy as np
 
@@ -359,32 +360,31 @@ class Tracker:
         floor = np.broadcast_to(given.corner_floor * np.eye(2), (len(rays), 2, 2))
         pixels = [floor, pixels_by_camera(self._camera, self._roots, rays), doubt[..., None], motion[..., None]]
         shifts = pixels_to_rays(self._camera, rays, np.concatenate(pixels, axis=2))
-        rays = rays - shifts[:, -1].reshape(-1, 2)
-        of_tracks = zip(rays.reshape(-1, 4, 2), given.covariance_scale * shifts[:, :-1].reshape(len(tracks), 4, 2, -1))
+        rays = (rays - shifts[:, -1].reshape(-1, 2)).reshape(-1, 4, 2)
+        shifts = given.covariance_scale * shifts[:, :-1].reshape(len(tracks), 4, 2, -1)
+        own = _diagonal(shifts[..., :2] @ np.swapaxes(shifts[..., :2], 2, 3))
+        noise = np.array([track.fit.covariance for track in tracks]) * given.covariance_scale**2
+        shared = shifts[..., 2:].reshape(len(tracks), 8, -1)
+        ends = accumulate((len(landmark.tracks) for landmark in landmarks), initial=0)
         return [
-            self._corners(landmark, *map(np.concatenate, zip(*(next(of_tracks) for _ in landmark.tracks))))
-            for landmark in landmarks
+            Corners(
+                points=np.concatenate(landmark.points),
+                rays=rays[first:end].reshape(-1, 2),
+                covariance=_diagonal(noise[first:end]),
+                own=_diagonal(own[first:end]),
+                shared=shared[first:end].reshape(8 * (end - first), -1),
+            )
+            for landmark, (first, end) in zip(landmarks, pairwise(ends))
         ]
 
-    def _corners(self, landmark: _Landmark, rays: Floats, shifts: Floats) -> Corners:
-        """Return a landmark's corners.
 
-        `shifts` (N, 2, S) of its rays (N, 2) are due to all errors, the first two its own.
-        """
-        count = len(shifts)
-        own = np.zeros((count, 2, count, 2))
-        corner = np.arange(count)
-        own[corner, :, corner] = shifts[..., :2] @ shifts[..., :2].swapaxes(1, 2)
-        noise = np.zeros((count // 4, 8, count // 4, 8))
-        marker = np.arange(count // 4)
-        noise[marker, :, marker] = [track.fit.covariance for track in landmark.tracks]
-        return Corners(
-            points=np.concatenate(landmark.points),
-            rays=rays,
-            covariance=noise.reshape(2 * count, -1) * self._uncertainty.covariance_scale**2,
-            own=own.reshape(2 * count, -1),
-            shared=shifts[..., 2:].reshape(2 * count, -1),
-        )
+def _diagonal(blocks: Floats) -> Floats:
+    """Return the block diagonal matrices (..., K N, K N) with K blocks (..., K, N, N) each."""
+    *many, count, size, _ = blocks.shape
+    whole = np.zeros((*many, count, size, count, size))
+    for place in range(count):
+        whole[..., place, :, place, :] = blocks[..., place, :, :]
+    return whole.reshape(*many, count * size, count * size)
 
 
 def _sight(landmark: _Landmark, seen: Corners, solutions: Sequence[Solution], focal: float) -> LandmarkDetection:
