@@ -211,12 +211,14 @@ def _window(differences: Floats, places: Floats, blur: _Blur) -> _Window:
 def _distances(window: _Window, differences: Floats, places: Floats, blur: _Blur, lines: Floats | None) -> Singles:
     """Return the distances (W, K, 2, N) a_i and b_j of the pixels from the lines, limited to `_REACH`."""
     lattice = window.first + np.arange(len(window.modules) - 1)[:, None, None, None]
-    offsets = np.zeros(1) if lines is None else np.pad(lines, ((0, 0), (0, 0), (1, 1)))
     count = differences.shape[1]
+    offsets = np.zeros((len(places), 2, count), np.float32)
+    if lines is not None:
+        offsets[:, :, 1:-1] = lines
     places_of_lines = lattice.astype(np.float32)
     if offsets.any():
         row = np.arange(len(places))[:, None, None] * 2 + np.arange(2)[:, None]
-        places_of_lines += offsets.astype(np.float32).ravel().take(row * count + lattice)
+        places_of_lines += offsets.ravel().take(row * count + lattice)
     distances = (places.astype(np.float32) - places_of_lines) * (1 / blur.sigma).astype(np.float32)
     # unlike clip, these replace the NaN of a fit that has diverged
     limited: Singles = np.fmax(np.fmin(distances, _REACH, out=distances), -_REACH, out=distances)

@@ -126,15 +126,14 @@ class _Track:
     """Error in pixels of the last prediction from the velocity; infinity if there was none."""
     flips: Flips = field(default_factory=Flips)
 
-    def predicted(self, stamp: int) -> tuple[Floats, float]:
-        """Return the corners predicted for `stamp`, and the largest error of the prediction in pixels."""
-        seconds = (stamp - self.stamp) / 1e9
-        return self.corners + self.velocity * seconds, float(np.abs(self.velocity).max()) * seconds / 2
+    def predicted(self, stamp: int) -> Floats:
+        """Return the corners (4, 2) predicted for `stamp`."""
+        return self.corners + self.velocity * ((stamp - self.stamp) / 1e9)
 
     def moved(self, fitted: Fitted, stamp: int, row_s: float) -> None:
         """Set what was seen at `stamp`; `row_s` is the time in seconds from one row of the image to the next one."""
         if stamp > self.stamp:
-            self.surprise = float(np.abs(fitted.corners - self.predicted(stamp)[0]).max())
+            self.surprise = float(np.abs(fitted.corners - self.predicted(stamp)).max())
             way, seconds = fitted.corners - self.corners, (stamp - self.stamp) / 1e9
             # A corner that has moved down is read later.
             velocity = way / np.maximum(seconds + row_s * way[:, 1:], seconds / 2)
@@ -250,7 +249,7 @@ class Tracker:
             if track.number in numbers:
                 numbers.remove(track.number)
             else:
-                found += self._detector.scan_region(grey, _region(track.predicted(stamp), grey.shape))
+                found += self._detector.scan_region(grey, _region(track, stamp, grey.shape))
         if not scanned and len(_distinct(found, seen)) < len(lost):
             found += self._scan(grey, stamp, thorough=False)
         seen += self._fit_found(grey, _distinct(found, seen), stamp)
@@ -292,7 +291,7 @@ class Tracker:
         doubtful: list[tuple[_Track, Floats]] = []
         for track in self._tracks:
             by_flow = track.surprise > _SURPRISE and track.stamp == self._stamp
-            (doubtful if by_flow else steady).append((track, track.predicted(stamp)[0]))
+            (doubtful if by_flow else steady).append((track, track.predicted(stamp)))
         if not doubtful or self._before is None or self._before.shape != grey.shape:
             return steady + doubtful
         corners = np.concatenate([track.corners for track, _ in doubtful]).astype(np.float32)
@@ -437,8 +436,9 @@ def _distance(corners: Floats, others: Floats) -> float:
     return float(np.linalg.norm(corners.mean(axis=0) - others.mean(axis=0)))
 
 
-def _region(predicted: tuple[Floats, float], shape: tuple[int, ...]) -> Region:
-    corners, doubt = predicted
+def _region(track: _Track, stamp: int, shape: tuple[int, ...]) -> Region:
+    corners = track.predicted(stamp)
+    doubt = float(np.abs(corners - track.corners).max()) / 2
     low, high = corners.min(axis=0), corners.max(axis=0)
     margin = max(_MARGIN * float(np.max(high - low)), _LEAST_MARGIN) + doubt
     left, top = np.floor(np.maximum(low - margin, 0)).astype(int)

@@ -333,9 +333,8 @@ def with_all_errors(
         # chi squared of the pose that fits best if all errors are considered, near the pose
         left = missed - by_pose @ np.linalg.solve(weighed @ by_pose, weighed @ missed)
         chi2 = (left * (inverse @ left)).sum(axis=(1, 2))
-        gain = np.array([solution.covariance for solution in rows]) @ np.swapaxes(
-            np.linalg.solve(group.covariance[of], by_pose), 1, 2
-        )
+        alone = np.array([solution.covariance for solution in rows])
+        gain = alone @ np.swapaxes(by_pose, 1, 2) @ np.linalg.inv(group.covariance)[of]
         covariance = gain @ whole[of] @ np.swapaxes(gain, 1, 2)
         # The factor by which covariances are too small; 1 if chi squared can be chance.
         freedom = group.rays[0].size - 6
