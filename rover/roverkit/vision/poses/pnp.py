@@ -84,9 +84,9 @@ def square_poses(points: Floats, rays: Floats) -> list[list[Pose]]:
     """
     right, up = points[:, 1] - points[:, 0], points[:, 0] - points[:, 3]
     sides = np.sqrt((right * right).sum(axis=1))[:, None]
-    centre, derivative = _homography(rays)
-    # corners that are no quadrilateral have no homography, or one without an inverse
-    owners = np.flatnonzero(np.isfinite(derivative).all(axis=(1, 2)) & (np.linalg.det(derivative) != 0))
+    with np.errstate(all="ignore"):  # corners that are no quadrilateral
+        centre, derivative = _homography(rays)
+        owners = np.flatnonzero(np.isfinite(derivative).all(axis=(1, 2)) & (np.linalg.det(derivative) != 0))
     sight = np.ones((len(owners), 2, 3))  # of the centre, and a vector across it
     sight[:, 0, :2] = centre[owners]
     sight[:, 1, 1], sight[:, 1, 2] = 0, -sight[:, 0, 0]
@@ -125,15 +125,15 @@ def _frames(x: Floats, y: Floats) -> Floats:
 def _homography(rays: Floats) -> tuple[Floats, Floats]:
     """Return the rays (K, 2) of the centres of K markers, given those of the corners (K, 4, 2), and their derivatives.
 
-    The derivatives (K, 2, 2) are with respect to the place on the marker, in halves of its side: x right and y up.
+    The derivatives (K, 2, 2) are with respect to the place on the marker, in halves of its side: x right and y up. They
+    are not finite, or have no inverse, if three corners lie on one line.
     """
     mean, x, y, xy = (_SIGNS @ rays / 4).swapaxes(0, 1)
-    with np.errstate(all="ignore"):
-        area = _cross(x, y)
-        # Corners have the places (-1, 1), (1, 1) and so on; (1 + by_x x + by_y y) times a ray is linear in the place.
-        by_x, by_y = _cross(xy, x) / area, _cross(y, xy) / area
-        centre = mean + by_x * x + by_y * y
-        slopes = x + by_x * mean + by_y * xy - by_x * centre, y + by_x * xy + by_y * mean - by_y * centre
+    area = _cross(x, y)
+    # Corners have the places (-1, 1), (1, 1) and so on; (1 + by_x x + by_y y) times a ray is linear in the place.
+    by_x, by_y = _cross(xy, x) / area, _cross(y, xy) / area
+    centre = mean + by_x * x + by_y * y
+    slopes = x + by_x * mean + by_y * xy - by_x * centre, y + by_x * xy + by_y * mean - by_y * centre
     return centre, np.stack(slopes, axis=2)
 
 
