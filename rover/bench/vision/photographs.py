@@ -7,6 +7,7 @@ project, so the section is left out where they are missing.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -26,6 +27,7 @@ ROOM, ROOM_TAGS = "room", "DICT_APRILTAG_36h11"
 BOARD, BOARD_MARKERS = "board", "DICT_6X6_1000"
 _COLUMNS, _ROWS = 4, 5
 _SIDE, _PITCH = 0.0425 * 196 / 221, 0.0425  # metres: in the printed file, a marker has 196 pixels and a gap 25
+_FRAMES, _ROUNDS, _FRAME_NS = 9, 5, 33_000_000
 _APRILTAG_SHIFT = 0.46 if cv2.__version__.startswith("5") else 0.0
 """Shift in pixels of the corners of OpenCV 5.0 with the refinement APRILTAG, along x and y; it is a bug of OpenCV."""
 
@@ -54,6 +56,17 @@ class Fit:
     """Root mean square distance in pixels between a corner and its place."""
 
 
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """CPU time in milliseconds for a frame with all markers of the board.
+
+    It is the mean of some frames; of each frame, the least of some rounds counts, because other load disturbs.
+    """
+
+    contestant: str
+    milliseconds: float
+
+
 def measure(say: Callable[[str], None], folder: Path = PHOTOS) -> SectionResult:
     """Measure all contestants on the photographs in a folder."""
     tables, found, fits = list[Table](), list[Found](), list[Fit]()
@@ -71,7 +84,12 @@ def measure(say: Callable[[str], None], folder: Path = PHOTOS) -> SectionResult:
     tables.append(
         Table("Corners on photographs of a printed board", ("", "markers", "RMS px"), [Group("", rows)], notes)
     )
-    return SectionResult(tables, (), {"room": [asdict(one) for one in found], "board": [asdict(one) for one in fits]})
+    costs = cost(folder / BOARD)
+    rows = [[one.contestant, f"{one.milliseconds:.1f}"] for one in costs]
+    notes = ["A photograph with all 20 markers, shaken. roverlink: tracking with poses; OpenCV: detection only."]
+    tables.append(Table("CPU time per frame of 20 markers", ("", "ms"), [Group("", rows)], notes))
+    values = {"room": found, "board": fits, "cost": costs}
+    return SectionResult(tables, (), {name: [asdict(one) for one in rows] for name, rows in values.items()})
 
 
 def find(folder: Path, contestant: str) -> Found:
@@ -102,6 +120,30 @@ def fit(folder: Path, contestant: str, stride: int = 1) -> Fit:
     seen = [look(_photograph(path)) for path in paths]
     _, rms = _calibrated(seen, camera)
     return Fit(contestant, sum(len(_on_board(corners)) for corners in seen), rms)
+
+
+def cost(folder: Path) -> list[Cost]:
+    """Measure the CPU time for frames of a shaken photograph on which all markers of the board are seen.
+
+    The contestants take turns, so that other load on the machine affects both alike.
+    """
+    plain = plain_detector(REFINEMENTS["OpenCV"], getattr(cv2.aruco, BOARD_MARKERS))
+    images = map(_photograph, sorted(folder.glob("*.jpg")))
+    image = next(one for one in images if len(plain.detectMarkers(one)[0]) == _COLUMNS * _ROWS)
+    tracker = Tracker(_guessed(image), MarkerSet(BOARD_MARKERS, side=_SIDE))
+    taken = np.zeros((2, _ROUNDS, _FRAMES))
+    for turn in range(_ROUNDS):
+        tracker.reset()
+        for frame in range(_FRAMES):
+            shift = np.array([[1, 0, 3 * np.sin(frame / 3)], [0, 1, 2 * np.cos(frame / 4)]])
+            shaken = cv2.warpAffine(image, shift, image.shape[::-1], borderMode=cv2.BORDER_REPLICATE)
+            start = time.process_time()
+            tracker.track(shaken, frame * _FRAME_NS)
+            middle = time.process_time()
+            plain.detectMarkers(shaken)
+            taken[:, turn, frame] = middle - start, time.process_time() - middle
+    ours, others = 1e3 * taken[:, :, 2:].min(axis=1).mean(axis=1)  # the first frames find the markers
+    return [Cost(OURS, float(ours)), Cost("OpenCV", float(others))]
 
 
 def finder(contestant: str, dictionary: str, camera: CameraParameters) -> Finder:

@@ -6,6 +6,7 @@ import contextlib
 from dataclasses import replace
 from itertools import chain
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -76,6 +77,24 @@ def test_landmarks_are_solved_together_as_each_alone() -> None:
             assert one.pose.change_to(other.pose) == pytest.approx(np.zeros(6), abs=1e-9)
             assert one.chi2 == pytest.approx(other.chi2, rel=1e-6)
     assert solve([], []) == square_poses(np.empty((0, 4, 3)), np.empty((0, 4, 2))) == []
+
+
+def test_a_marker_has_the_two_poses_that_opencv_finds() -> None:
+    """The corners have noise, so no pose fits exactly. Corners without area have no pose, and disturb no other one."""
+    rng, seen = np.random.default_rng(7), [np.zeros((4, 2)), np.full((4, 2), np.nan), np.outer(range(4), (0.1, 0.2))]
+    for tilt in np.linspace(0.1, 1.2, 20):
+        pose = Pose(
+            rotation_of(np.array([tilt, tilt / 2, tilt])) @ FACING, rng.uniform((-0.3, -0.3, 0.4), (0.3, 0.3, 2))
+        )
+        seen.append(seen_at(pose, square(0.1), 5e-4, rng).rays)
+    nothing, unknown, line, *both = square_poses(np.stack([square(0.1)] * len(seen)), np.stack(seen))
+    assert nothing == unknown == line == []
+    for found, rays in zip(both, seen[3:]):
+        known = cv2.solvePnPGeneric(square(0.1), rays[:, None], np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE)
+        others = [Pose(cv2.Rodrigues(turn)[0], shift.ravel()) for turn, shift in zip(*known[1:3])]
+        for other in others:
+            nearest = min(found, key=other.angle_to)
+            assert nearest.change_to(other) == pytest.approx(np.zeros(6), abs=1e-6)
 
 
 @pytest.mark.slow

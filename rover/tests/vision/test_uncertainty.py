@@ -56,13 +56,15 @@ def test_an_unknown_side_makes_the_distance_uncertain() -> None:
 def test_every_uncertainty_enlarges_the_covariance(change: Mapping[str, float]) -> None:
     """No direction becomes more certain; the poses stay the same. The scale multiplies standard deviations."""
     for exact, other in zip(seen(), seen(**change)):
-        assert other.pose.change_to(exact.pose) == pytest.approx(np.zeros(6), abs=1e-12)
+        assert other.pose.change_to(exact.pose) == pytest.approx(
+            np.zeros(6), abs=1e-7
+        )  # a step of the fit more or less
         each = 1 / np.sqrt(exact.covariance.diagonal())
         more = (other.covariance - exact.covariance) * each * each[:, None]
         assert np.linalg.eigvalsh(more).min() > -1e-6
         assert np.trace(more) > 0.1
         if "covariance_scale" in change:
-            assert other.covariance == pytest.approx(4 * exact.covariance, rel=1e-6, abs=1e-15)
+            assert other.covariance == pytest.approx(4 * exact.covariance, rel=1e-5, abs=1e-13)
 
 
 @pytest.mark.slow

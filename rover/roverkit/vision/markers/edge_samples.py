@@ -47,6 +47,8 @@ class MarkerBatch:
 
     def only(self, chosen: NDArray[np.intp]) -> MarkerBatch:
         """Return a batch with only some of the markers."""
+        if len(chosen) == len(self.scale):
+            return self
         return MarkerBatch(
             self.differences[chosen],
             self.places[chosen],
@@ -73,10 +75,12 @@ class Pixels:
 
     def every(self, stride: int) -> Pixels:
         """Return a selection with only every `stride`-th pixel."""
-        return Pixels(*(part[..., ::stride] for part in (self.grey, self.points, self.by_pixel, self.real)))
+        return Pixels(*(part[..., ::stride].copy() for part in (self.grey, self.points, self.by_pixel, self.real)))
 
     def only(self, chosen: NDArray[np.intp]) -> Pixels:
         """Return a selection with the pixels of only some markers."""
+        if len(chosen) == len(self.grey):
+            return self
         return Pixels(*(part[chosen] for part in (self.grey, self.points, self.by_pixel, self.real)))
 
 
@@ -115,7 +119,14 @@ def homographies(points: Floats) -> Floats:
     return whole.reshape(-1, 3, 3)
 
 
-def apply(homography: Floats, points: Floats) -> tuple[Floats, Floats]:
+def apply(homography: Floats, points: Floats) -> Floats:
+    """Map points (K, 2, N) by homographies (K, 3, 3)."""
+    lifted = homography[:, :, :2] @ points + homography[:, :, 2:]
+    images: Floats = lifted[:, :2] / lifted[:, 2:]
+    return images
+
+
+def apply_with_derivative(homography: Floats, points: Floats) -> tuple[Floats, Floats]:
     """Map points (K, 2, N) by homographies (K, 3, 3).
 
     Returns the mapped points (K, 2, N), and their derivative (K, 2, 2, N) with respect to the given points.
@@ -151,50 +162,61 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, batch: Mar
     are undistorted, because undistorting each pixel would be slow. The ray of a pixel follows from the nearest point on
     an edge and the derivative of the undistortion at this point.
     """
-    points, by_square = apply(homography, batch.places / batch.half - 1)
+    points, by_square = apply_with_derivative(homography, batch.places / batch.half - 1)
     rays = points * batch.scale[:, None, None] + batch.centre[:, :, None]
     seen, slope = camera.distort_with_derivative(rays.transpose(0, 2, 1))
     seen, by_pixel = seen.transpose(0, 2, 1), _inverse(np.moveaxis(slope, 1, -1)) / batch.scale[:, None, None, None]
-    modules_by_pixel = product(_inverse(by_square) * batch.half, by_pixel)
+    modules_by_pixel = product(_inverse(by_square) * batch.half, by_pixel).astype(np.float32)
     modules_a_pixel = np.sqrt((modules_by_pixel**2).sum(axis=2))
     normal = modules_by_pixel / modules_a_pixel[:, :, None]
     normal = np.where(batch.across_u[:, None], normal[:, 0], normal[:, 1])
     places = np.rint(seen[:, :, None] + np.array(ACROSS)[:, None] * normal[:, :, None])  # (K, 2, offsets, M)
-    moved = places - seen[:, :, None]
-    outside = np.abs(batch.places[:, :, None] + _turned(modules_by_pixel, moved) - batch.half) - batch.half
-    usable = (outside <= np.maximum(0, 1 - CLEAR * modules_a_pixel)[:, :, None]).all(axis=1) & batch.real[:, None]
+    moved, by_pixel = (places - seen[:, :, None]).astype(np.float32), by_pixel.astype(np.float32)
+    middle = (batch.places - batch.half).astype(np.float32)
+    off = np.abs(middle[:, :, None] + _turned(modules_by_pixel, moved))
+    limit = np.maximum(0, 1 - CLEAR * modules_a_pixel) + batch.half
     height, width = image.shape
-    usable &= (places >= 0).all(axis=1) & (places[:, 0] < width) & (places[:, 1] < height)
-    index = np.where(usable, places[:, 1] * width + places[:, 0], 0).astype(np.intp)
-    marker, chosen = _distinct(index, usable, image.size)
-    start = np.searchsorted(marker, np.arange(len(index) + 1))
-    row = np.arange(marker.size) - start[marker]
-    moved_points = points[:, :, None] + _turned(by_pixel, moved)
-    flat = moved_points.reshape(len(index), 2, -1)
-    count = max(int(np.diff(start).max(initial=0)), 1)
-    edge = chosen % seen.shape[2]
-    grey, real = np.zeros((2, len(index), count), np.float32)
+    x, y = places[:, 0], places[:, 1]
+    usable = (off <= limit[:, :, None]).all(axis=1) & batch.real[:, None]
+    usable &= (x >= 0) & (y >= 0) & (x < width) & (y < height)
+    columns, rows = np.where(usable[:, None], places, 0).astype(np.intp).reshape(len(places), 2, -1).swapaxes(0, 1)
+    distinct = _first_uses(columns, rows, usable.reshape(columns.shape))
+    count = distinct.sum(axis=1)
+    most = max(int(np.max(count, initial=0)), 1)
+    real = np.arange(most) < count[:, None]
+    # Neighbours in the order are at different distances from an edge, so `Pixels.every` takes pixels of all kinds.
+    edges, offsets = seen.shape[2], len(ACROSS)
+    in_order = distinct.reshape(-1, offsets, edges).swapaxes(1, 2).reshape(distinct.shape)
+    order = np.argsort(~in_order, axis=1, kind="stable")[:, :most]
     # padding is at the first point, so that its blur in modules is that of the others
-    out_points, out_slopes = (
-        np.repeat(part[..., :1].astype(np.float32), count, axis=-1) for part in (points, by_pixel)
+    chosen = np.where(real, order % offsets * edges + order // offsets, 0)
+    marker = np.arange(len(chosen))[:, None]
+    moved_points = (points.astype(np.float32)[:, :, None] + _turned(by_pixel, moved)).reshape(len(chosen), 2, -1)
+    return Pixels(
+        image[rows[marker, chosen], columns[marker, chosen]] * real.astype(np.float32),
+        np.take_along_axis(moved_points, chosen[:, None], axis=2),
+        np.take_along_axis(by_pixel, chosen[:, None, None] % edges, axis=3),
+        real.astype(np.float32),
     )
-    grey[marker, row] = image.ravel()[index.reshape(len(index), -1)[marker, chosen]]
-    real[marker, row] = 1
-    out_points[marker, :, row] = flat[marker, :, chosen]
-    out_slopes[marker, :, :, row] = by_pixel[marker, :, :, edge]
-    return Pixels(grey, out_points, out_slopes, real)
 
 
-def _distinct(
-    index: NDArray[np.intp], usable: NDArray[np.bool_], size: int
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return, for each usable pixel, the marker and the place in its row, ordered by marker and without duplicates.
-
-    `index` (K, ..., M) holds the positions of the pixels in an image of `size` pixels; `usable` is a mask of this
-    shape.
-    """
-    each = index[0].size
-    keys = (index + np.arange(len(index))[:, None, None] * size)[usable]
-    _, first = np.unique(keys, return_index=True)
-    place = np.flatnonzero(usable)[first]
-    return place // each, place % each
+def _first_uses(columns: NDArray[np.intp], rows: NDArray[np.intp], usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return a mask (K, P) of the usable ones of P pixels of each marker, without those that came before."""
+    marker, place = np.nonzero(usable)
+    if not marker.size:
+        return usable
+    # A pixel's position in the box around the marker; the boxes of all markers follow each other.
+    low, high = (
+        np.stack([least(part, axis=1, where=usable, initial=first) for part in (columns, rows)])
+        for least, first in ((np.min, np.iinfo(np.intp).max), (np.max, -1))
+    )
+    width, height = np.where(high >= low, high - low + 1, 0)
+    end = np.cumsum(width * height)
+    position = (end - width * height - low[1] * width - low[0])[:, None] + rows * width[:, None] + columns
+    position = position[marker, place]
+    first = np.empty(end[-1], np.int32)
+    order = np.arange(position.size)
+    first[position[::-1]] = order[::-1]  # the last value stays
+    distinct = np.zeros_like(usable)
+    distinct[marker, place] = first[position] == order
+    return distinct

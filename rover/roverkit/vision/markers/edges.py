@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ from roverkit.vision.markers.edge_samples import (
     SQUARE,
     MarkerBatch,
     Pixels,
-    apply,
+    apply_with_derivative,
     choose_pixels,
     homographies,
     make_batch,
@@ -53,16 +53,21 @@ from roverkit.vision.markers.pattern import Pattern, predict_grey
 #
 # With motion blur of 6 px, the error at 48 px is 0.060 percent (APRILTAG 0.24), and with a print of 100 pixels 0.020
 # (APRILTAG 0.10).
-COARSE = 3
-"""Stride of the first steps: they use only every third pixel, to be faster."""
+COARSE = 2
+"""Stride of the first steps: they use only every second pixel, to be faster."""
 COARSE_STEPS = 3
 """Largest number of Gauss-Newton steps with every `COARSE`-th pixel."""
 FINE_STEPS = 8
 """Largest number of Gauss-Newton steps with all pixels."""
+COARSE_NEAR = 0.5
+"""Motion of corners in pixels per step below which all pixels are used from the next step on."""
 NEAR = 0.2
-"""Motion of corners in pixels per step below which all pixels are used."""
+"""Motion of corners in pixels per step below which a marker of the previous frame has converged.
+
+A Gauss-Newton step leaves an error that is quadratic in the motion: here less than half a standard deviation.
+"""
 SETTLED = 0.05
-"""Motion of corners in pixels per step below which the fit has converged."""
+"""As `NEAR`, for a marker whose inner lines are unknown: if they are misplaced, many pixels are outliers at first."""
 UNSETTLED = 0.5
 """Motion of corners in pixels in the last step above which the fit has diverged."""
 OUTLIERS = (3.0, 5.0)
@@ -86,6 +91,12 @@ RIGID = 1e12
 _MAD_TO_SIGMA = 1.4826  # for a normal distribution: 1 / 0.6745
 _ROUNDING = 0.3  # standard deviation of rounding to whole grey levels: 1 / sqrt(12)
 _RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible
+_FEW = 4  # a step for up to a quarter of the markers takes half as long as for all of them
+
+# The fit of a frame needs some megabytes for a moment. The allocator of glibc gives such memory back to the system, and
+# gets it again page by page, which takes an eighth of the tracker's time. Freeing one large block raises its limits to
+# the size of this block (mallopt(3): M_MMAP_THRESHOLD, M_TRIM_THRESHOLD). Elsewhere, this does nothing.
+np.empty(1 << 24, np.uint8)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,6 +166,8 @@ class _Outcome:
     """Normal matrices (K, U, U) of the U unknowns: `rigid`, and the offsets of inner lines if they may move."""
     right: Floats
     """Right sides (K, U) of the normal equations."""
+    terms: Floats
+    """Terms (K, T, N) of the light's polynomial at the pixels, each for black and for the contrast; 0 for padding."""
     contrast: Floats
     """Contrast (K,) in grey levels in the marker's middle, as in `Fit`."""
     residuals: Floats
@@ -163,13 +176,21 @@ class _Outcome:
     """Weights (K, N); 0 for outliers."""
     left: Floats
     """Residuals (K, N) after the step; 0 for outliers."""
-    rigid: int
-    """Number of unknowns without the offsets of inner lines."""
+
+    @property
+    def rigid(self) -> int:
+        """Number of unknowns without the offsets of inner lines."""
+        return _GEOMETRY + 2 * len(self.terms[0]) + 1
 
     def variance(self) -> Floats:
         """Return the variance (K,) of the residuals after the step."""
         variance: Floats = _squares(self.left) / np.maximum(self.weights.sum(axis=1) - self.rigid, 1.0)
         return variance
+
+    def put(self, chosen: NDArray[np.intp], newer: _Outcome) -> None:
+        """Replace the results for some markers."""
+        for part in fields(self):
+            getattr(self, part.name)[chosen] = getattr(newer, part.name)
 
 
 def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Sequence[Guess]) -> list[Fit | None]:
@@ -191,77 +212,75 @@ def fit_edges(image: NDArray[np.uint8], camera: CameraParameters, guesses: Seque
         np.stack([guess.lines if guess.lines is not None else _straight(guess.pattern) for guess in guesses]),
     )
     rigidity = np.array([guess.rigidity for guess in guesses])
+    settled = np.array([SETTLED if guess.lines is None else NEAR for guess in guesses])
     with np.errstate(all="ignore"):  # a wrong guess may diverge; it is rejected below
         pixels = choose_pixels(image, camera, batch, state.homography)
         visible &= pixels.real.sum(axis=1) >= _PIXELS * _rigid_unknowns(SMOOTH)
         pixel = batch.scale * float(np.max(camera.focal))  # pixels per unit of the scaled rays
         active, coarse = np.flatnonzero(visible), pixels.every(COARSE)
         for _ in range(COARSE_STEPS):
-            if not active.size:
+            if active.size <= len(guesses) // _FEW:
                 break
             before, part = state.only(active), coarse.only(active)
             moved, _unused = _step(batch.only(active), before, part, SMOOTH)
             state.put(active, moved)
-            active = active[_shift(before, moved) * pixel[active] > NEAR]
-        fits, local = _settled(batch, state, pixels, rigidity, pixel, np.flatnonzero(visible), SMOOTH)
-        fits |= _settled(batch, state, pixels, rigidity, pixel, local, LOCAL)[0]
+            active = active[_shift(before, moved) * pixel[active] > COARSE_NEAR]
+        fits: dict[int, Fit] = {}
+        markers = chosen = np.flatnonzero(visible)
+        for degree in (SMOOTH, LOCAL):
+            if not chosen.size:
+                break
+            batch, state, pixels = batch.only(chosen), state.only(chosen), pixels.only(chosen)
+            pixel, rigidity, settled = pixel[chosen], rigidity[chosen], settled[chosen]
+            rests, outcome = _settle(batch, state, pixels, rigidity, pixel, settled, degree)
+            good = zip(markers.tolist(), _fits(batch, state, pixels, outcome, rigidity))
+            fits |= {marker: fit for (marker, fit), rest in zip(good, rests.tolist()) if fit and rest}
+            if degree == SMOOTH:
+                chosen = np.flatnonzero(rests & _is_local(pixels, outcome))
+                markers = markers[chosen]
     return [fits.get(k) for k in range(len(guesses))]
 
 
-def _settled(
-    batch: MarkerBatch,
-    state: _State,
-    pixels: Pixels,
-    rigidity: Floats,
-    pixel: Floats,
-    active: NDArray[np.intp],
-    degree: int,
-) -> tuple[dict[int, Fit], NDArray[np.intp]]:
-    """Make steps with all pixels until the `active` markers rest. Changes `state` and `rigidity`.
+def _settle(
+    batch: MarkerBatch, state: _State, pixels: Pixels, rigidity: Floats, pixel: Floats, settled: Floats, degree: int
+) -> tuple[NDArray[np.bool_], _Outcome]:
+    """Make steps with all pixels until all markers rest. Changes `state` and `rigidity`.
 
-    `pixel` (K,) is the number of pixels per unit of the scaled rays. Returns the fits of the markers, and those markers
-    whose light varies more than a polynomial of this degree.
+    `pixel` (K,) is the number of pixels per unit of the scaled rays, and `settled` (K,) the motion in pixels per step
+    below which a marker rests. Returns a mask (K,) of the markers that did not diverge, and their last steps.
     """
-    shift, outcomes = np.full(len(pixel), np.inf), dict[int, tuple[_Outcome, int]]()
+    shift, active = np.full(len(pixel), np.inf), np.arange(len(pixel))
     for _ in range(FINE_STEPS):
-        if not active.size:
-            break
-        before, part, known = state.only(active), pixels.only(active), rigidity[active]
-        moved, outcome = _step(batch.only(active), before, part, degree, known)
+        before, known = state.only(active), rigidity[active]
+        moved, newer = _step(batch.only(active), before, pixels.only(active), degree, known)
+        if active.size == pixel.size:
+            outcome = newer
+        else:
+            outcome.put(active, newer)
         state.put(active, moved)
-        outcomes.update((marker, (outcome, row)) for row, marker in enumerate(active.tolist()))
         earlier, shift[active] = shift[active], _shift(before, moved) * pixel[active]
-        rigidity[active] = np.where(shift[active] < NEAR, _rigidity(outcome, before.lines), known)
+        rigidity[active] = np.where(shift[active] < NEAR, _rigidity(newer, before.lines), known)
         loosened = (known == RIGID) & (rigidity[active] < RIGID)
         # Pixels at the limit of outliers, or at that of the blur, can keep a fit from coming to rest.
-        resting = (shift[active] <= SETTLED) | ((shift[active] < NEAR) & (shift[active] > earlier / 2))
+        resting = (shift[active] <= settled[active]) | ((shift[active] < NEAR) & (shift[active] > earlier / 2))
         active = active[~resting | loosened]
-    chosen = np.flatnonzero(shift < UNSETTLED)
-    if not chosen.size:
-        return {}, chosen
-    last = [outcomes[marker] for marker in chosen.tolist()]
-    fits = dict(zip(chosen.tolist(), _fits(batch, state, pixels, chosen, last, rigidity)))
-    return {marker: fit for marker, fit in fits.items() if fit}, chosen[_is_local(state, pixels, chosen, last)]
+        if not active.size:
+            break
+    return shift < UNSETTLED, outcome
 
 
-def _is_local(
-    state: _State, pixels: Pixels, chosen: NDArray[np.intp], last: Sequence[tuple[_Outcome, int]]
-) -> NDArray[np.bool_]:
-    """Return a mask (C,) of the chosen markers whose residuals vary smoothly over the marker, as light does.
+def _is_local(pixels: Pixels, outcome: _Outcome) -> NDArray[np.bool_]:
+    """Return a mask (K,) of the markers whose residuals vary smoothly over the marker, as light does.
 
     A polynomial of the degree `LOCAL` is fitted to the residuals; with a light of degree `SMOOTH` alone, the part that
     it explains is chi squared.
     """
-    known = _terms_count(SMOOTH)
-    square, _ = apply(np.linalg.inv(state.homography[chosen]).astype(np.float32), pixels.points[chosen])
-    terms = _terms(square, LOCAL)[:, known:]
-    weights = np.stack([outcome.weights[row] for outcome, row in last])
-    left = np.stack([outcome.left[row] for outcome, row in last])
-    right = (terms @ left[:, :, None]).astype(float)
-    solution = _solve(((terms * weights[:, None]) @ terms.transpose(0, 2, 1)).astype(float), right)
-    variance = np.array([outcome.variance()[row] for outcome, row in last])
-    enough = pixels.real[chosen].sum(axis=1) >= _PIXELS * _rigid_unknowns(LOCAL)
-    explained = np.einsum("kt,kt->k", solution, right[..., 0]) / variance
+    terms = _terms(outcome.terms[:, 1:3], LOCAL)[:, outcome.terms.shape[1] :]
+    right = (terms @ outcome.left[:, :, None]).astype(float)
+    weighted = terms * outcome.weights[:, None]
+    solution = _solve((weighted @ terms.transpose(0, 2, 1)).astype(float), right)
+    enough = pixels.real.sum(axis=1) >= _PIXELS * _rigid_unknowns(LOCAL)
+    explained = np.einsum("kt,kt->k", solution, right[..., 0]) / outcome.variance()
     local: NDArray[np.bool_] = enough & (explained > gate_limit(terms.shape[1]))
     return local
 
@@ -277,12 +296,12 @@ def _rigid_unknowns(degree: int) -> int:
 
 def _terms(square: Floats, degree: int) -> Floats:
     """Return the terms (K, T, N) of a polynomial of u and v at points (K, 2, N), those of low degrees first."""
-    powers: list[Floats] = [np.ones(square.shape, np.float32)]
+    u, v = square[:, 0], square[:, 1]
+    terms = last = [np.ones_like(u)]
     for _ in range(degree):
-        powers.append(powers[-1] * square)
-    return np.stack(
-        [powers[total - v][:, 0] * powers[v][:, 1] for total in range(degree + 1) for v in range(total + 1)], axis=1
-    )
+        last = [*(term * u for term in last), last[-1] * v]
+        terms = terms + last
+    return np.stack(terms, axis=1)
 
 
 def _straight(pattern: Pattern) -> Floats:
@@ -298,30 +317,35 @@ def _step(
     `degree` is that of the light's polynomials. With `rigidity` (K,), the inner lines between modules may move. It is
     the precision with which they are known to be where they should be, relative to that of a pixel.
     """
-    design, terms = _design(batch, state, pixels, degree, with_lines=rigidity is not None)
-    count, rigid = terms.shape[1], _rigid_unknowns(degree)
-    level, residuals, known = _lit(design[:, _GEOMETRY:rigid], pixels)
-    contrast = (level[:, None, count:-1] @ terms)[:, 0]
-    # Variable projection: the light is solved linearly first, then all unknowns take one step together.
-    design[:, :_GEOMETRY] *= contrast[:, None]
-    design[:, rigid:] *= contrast[:, None]
+    design = _design(batch, state, pixels, degree, with_lines=rigidity is not None)
+    rigid = _rigid_unknowns(degree)
+    light, residuals, known = _lit(design[:, _GEOMETRY:rigid], pixels)
+    count = _terms_count(degree)
+    terms = design[:, _GEOMETRY : _GEOMETRY + count].copy()
     weights = _weights(residuals, known)
-    weighted = design * weights[:, None]
-    normal = (weighted @ design.transpose(0, 2, 1)).astype(float)
-    right = (weighted @ residuals[:, :, None]).astype(float)
-    held, towards = normal.copy(), right.copy()
+    roots = np.sqrt(weights)[:, None]
+    contrast = light[:, None, count:-1] @ terms * roots
+    # Variable projection: the light is solved linearly first, then all unknowns take one step together.
+    design[:, :_GEOMETRY] *= contrast
+    design[:, _GEOMETRY:rigid] *= roots
+    design[:, rigid:] *= contrast
+    missed = residuals * roots[:, 0]
+    normal = (design @ design.transpose(0, 2, 1)).astype(float)  # faster if both factors are the same array
+    right = (design @ missed[:, :, None]).astype(float)
+    held, towards = normal, right
     if rigidity is not None:
+        held, towards = normal.copy(), right.copy()
         free = np.arange(rigid, normal.shape[1])
         held[:, free, free] += rigidity[:, None]
         towards[:, free, 0] -= rigidity[:, None] * state.lines.reshape(len(normal), -1)
     change = _solve(held, towards)
-    left = weights * (residuals - (change.astype(np.float32)[:, None] @ design)[:, 0])
+    left = roots[:, 0] * (missed - (change.astype(np.float32)[:, None] @ design)[:, 0])
     homography = state.homography.copy()
     homography.reshape(-1, 9)[:, :8] += change[:, :8]
     blur = _possible(state.blur + change[:, [8, 9, 9, 10]].reshape(-1, 2, 2))
     lines = state.lines + change[:, rigid:].reshape(state.lines.shape) if rigidity is not None else state.lines
-    moved = _State(homography, blur, lines)
-    return moved, _Outcome(normal, right[..., 0], level[:, count], residuals, weights, left, rigid)
+    outcome = _Outcome(normal, right[..., 0], terms, light[:, count], residuals, weights, left)
+    return _State(homography, blur, lines), outcome
 
 
 def _lit(light: Floats, pixels: Pixels) -> tuple[Floats, Floats, Floats]:
@@ -330,19 +354,22 @@ def _lit(light: Floats, pixels: Pixels) -> tuple[Floats, Floats, Floats]:
     Returns the coefficients (K, L), the residuals (K, N), and the weights (K, N) of the pixels that tell something: 0
     for padding, and for pixels that are as bright as an image can be and that should be brighter.
     """
-    clipped = pixels.grey >= _CLIPPED
-    level, residuals = _level(light, pixels.grey, pixels.real * ~clipped)
-    known = pixels.real
+    clipped, known = pixels.grey >= _CLIPPED, pixels.real
     if clipped.any():
+        _, residuals = _level(light, pixels.grey, light * (pixels.real * ~clipped)[:, None])
         known = known * ~(clipped & (residuals < 0))
-        level, residuals = _level(light, pixels.grey, known)
+        level, residuals = _level(light, pixels.grey, light * known[:, None])
         known = pixels.real * ~(clipped & (residuals < 0))
+    else:
+        level, residuals = _level(light, pixels.grey, light)
     return level, residuals * known, known
 
 
-def _level(light: Floats, grey: Floats, known: Floats) -> tuple[Floats, Floats]:
-    """Return the coefficients (K, L) of the light that fits grey values (K, N) with weights (K, N); and residuals."""
-    used = light * known[:, None]
+def _level(light: Floats, grey: Floats, used: Floats) -> tuple[Floats, Floats]:
+    """Return the coefficients (K, L) of the light that fits grey values (K, N), and the residuals (K, N).
+
+    `used` (K, L, N) is `light` with 0 for the pixels that do not count.
+    """
     normal, right = used @ light.transpose(0, 2, 1), used @ grey[:, :, None]
     level = _solve(normal.astype(float), right.astype(float)).astype(np.float32)
     return level, grey - (level[:, None] @ light)[:, 0]
@@ -365,10 +392,12 @@ def _rigidity(outcome: _Outcome, lines: Floats) -> Floats:
     offsets is estimated with the method of DerSimonian and Laird (1986).
     """
     free = np.arange(outcome.rigid, outcome.normal.shape[1])
-    inverse = np.linalg.inv(_regular(outcome.normal))
-    offsets = lines.reshape(len(lines), -1) + (inverse @ outcome.right[:, :, None])[:, free, 0]
+    columns = np.broadcast_to(np.eye(len(outcome.normal[0]))[:, free], (len(lines), outcome.normal.shape[1], free.size))
+    wanted = np.concatenate([columns, outcome.right[:, :, None]], axis=2)
+    solution = np.linalg.solve(_regular(outcome.normal), wanted)[:, free]
+    offsets = lines.reshape(len(lines), -1) + solution[:, :, -1]
     variance = outcome.variance()
-    precision = 1 / np.maximum(inverse.diagonal(axis1=1, axis2=2)[:, free], 1e-12) / variance[:, None]
+    precision = 1 / np.maximum(solution.diagonal(axis1=1, axis2=2), 1e-12) / variance[:, None]
     chi2 = (offsets**2 * precision).sum(axis=1)
     excess = (chi2 - free.size) / precision.sum(axis=1)
     return np.where(chi2 > gate_limit(free.size), variance / np.maximum(excess, 1e-12), RIGID)
@@ -413,84 +442,71 @@ def _weights(residuals: Floats, real: Floats) -> Floats:
     return weights
 
 
-def _design(
-    batch: MarkerBatch, state: _State, pixels: Pixels, degree: int, *, with_lines: bool
-) -> tuple[Floats, Floats]:
-    """Return the derivatives (K, U, N) of the model, and the terms (K, T, N) of the light's polynomial at the pixels.
+def _design(batch: MarkerBatch, state: _State, pixels: Pixels, degree: int, *, with_lines: bool) -> Floats:
+    """Return the derivatives (K, U, N) of the model; those of the light are 0 for padding.
 
-    The derivatives are with respect to 8 elements of the homography, 3 of the blur, the coefficients of the light, and
-    the offsets of the inner lines if `with_lines` is true. All but those of the light are for a contrast of 1. If the
-    homography moves while the pixel stays, the pixel sees the pattern move in the opposite direction.
+    They are with respect to 8 elements of the homography, 3 of the blur, the coefficients of the light, and the offsets
+    of the inner lines if `with_lines` is true. All but those of the light are for a contrast of 1. If the homography
+    moves while the pixel stays, the pixel sees the pattern move in the opposite direction.
     """
     # single precision is twice as fast; the normal equations are solved in double precision
-    square, by_point = apply(np.linalg.inv(state.homography).astype(np.float32), pixels.points)
+    square, by_point = apply_with_derivative(np.linalg.inv(state.homography).astype(np.float32), pixels.points)
     by_pixel = product(by_point, pixels.by_pixel) * batch.half
     places = square * batch.half + batch.half
     blur = state.blur.astype(np.float32)
     predicted = predict_grey(batch.differences, places, by_pixel, blur, state.lines, with_lines=with_lines)
     w = (state.homography[:, 2:, :2].astype(np.float32) @ square)[:, 0] + 1
     by_place = predicted.by_u[:, None] * by_point[:, 0] + predicted.by_v[:, None] * by_point[:, 1]
-    by_place *= (-batch.half * pixels.real / w)[:, None]
-    rigid = _rigid_unknowns(degree)
+    by_place *= (-batch.half / w)[:, None]
+    rigid, white = _rigid_unknowns(degree), _GEOMETRY + _terms_count(degree)
     design = np.empty((len(square), rigid + predicted.by_lines.shape[1], square.shape[2]), np.float32)
     design[:, 0:2] = by_place[:, :1] * square
     design[:, 2] = by_place[:, 0]
     design[:, 3:5] = by_place[:, 1:] * square
     design[:, 5] = by_place[:, 1]
     design[:, 6:8] = -(by_place * pixels.points).sum(axis=1)[:, None] * square
-    design[:, 8:11] = predicted.by_blur * pixels.real[:, None]
-    terms = _terms(square, degree) * pixels.real[:, None]
-    white = _GEOMETRY + terms.shape[1]
-    design[:, _GEOMETRY:white] = terms
-    design[:, white : rigid - 1] = predicted.grey[:, None] * terms
+    design[:, 8:11] = predicted.by_blur
+    design[:, _GEOMETRY:white] = _terms(square, degree) * pixels.real[:, None]
+    design[:, white : rigid - 1] = predicted.grey[:, None] * design[:, _GEOMETRY:white]
     design[:, rigid - 1] = predicted.by_growth * pixels.real
-    design[:, rigid:] = predicted.by_lines * pixels.real[:, None]
-    return design, terms
+    design[:, rigid:] = predicted.by_lines
+    return design
 
 
-def _fits(
-    batch: MarkerBatch,
-    state: _State,
-    pixels: Pixels,
-    chosen: NDArray[np.intp],
-    last: Sequence[tuple[_Outcome, int]],
-    rigidity: Floats,
-) -> list[Fit | None]:
-    """Return the results of the fit for the chosen markers; None for one whose covariance is not finite.
-
-    `last` has the last step for each of them, and its place in this step.
-    """
-    normal = np.stack([outcome.normal[row] for outcome, row in last])
-    variance = np.array([outcome.variance()[row] for outcome, row in last])
-    squares = np.array([float(np.sum(outcome.residuals[row] ** 2)) for outcome, row in last])
-    free = np.arange(last[0][0].rigid, normal.shape[1])
-    normal[:, free, free] += rigidity[chosen, None]
+def _fits(batch: MarkerBatch, state: _State, pixels: Pixels, outcome: _Outcome, rigidity: Floats) -> list[Fit | None]:
+    """Return the results of the fit, given the last steps; None for a marker whose covariance is not finite."""
+    normal = outcome.normal.copy()
+    free = np.arange(outcome.rigid, normal.shape[1])
+    normal[:, free, free] += rigidity[:, None]
     usable = np.isfinite(normal).all(axis=(1, 2))
-    by_unknowns = np.linalg.inv(_regular(normal))[:, :8, :8] * variance[:, None, None]
-    corners, by_homography = _corners(state.homography[chosen])
-    covariance = by_homography @ by_unknowns @ np.swapaxes(by_homography, 1, 2) * batch.scale[chosen, None, None] ** 2
+    variance = outcome.variance()
+    homography = np.broadcast_to(np.eye(normal.shape[1], 8), (*normal.shape[:2], 8))
+    by_unknowns = np.linalg.solve(_regular(normal), homography)[:, :8] * variance[:, None, None]
+    corners, by_homography = _corners(state.homography)
+    scale = batch.scale[:, None, None]
+    covariance = by_homography @ by_unknowns @ np.swapaxes(by_homography, 1, 2) * scale**2
     usable &= np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(corners).all(axis=(1, 2))
-    rays = corners * batch.scale[chosen, None, None] + batch.centre[chosen, None]
+    rays = corners * scale + batch.centre[:, None]
     count = np.maximum(pixels.real.sum(axis=1), 1)
     spread = (pixels.grey - (pixels.grey.sum(axis=1) / count)[:, None]) * pixels.real
-    explained = 1 - squares / np.maximum(_squares(spread), 1e-9)[chosen]
-    blur = np.linalg.det(state.blur[chosen]) ** 0.25
+    explained = 1 - _squares(outcome.residuals) / np.maximum(_squares(spread), 1e-9)
+    blur = np.linalg.det(state.blur) ** 0.25
     return [
         (
             Fit(
-                rays=rays[place],
-                covariance=covariance[place],
-                noise=math.sqrt(float(variance[place])),
-                contrast=float(outcome.contrast[row]),
-                explained=float(explained[place]),
-                blur=float(blur[place]),
-                lines=state.lines[marker],
-                rigidity=float(rigidity[marker]),
+                rays=rays[k],
+                covariance=covariance[k],
+                noise=math.sqrt(float(variance[k])),
+                contrast=float(outcome.contrast[k]),
+                explained=float(explained[k]),
+                blur=float(blur[k]),
+                lines=state.lines[k],
+                rigidity=float(rigidity[k]),
             )
-            if usable[place]
+            if usable[k]
             else None
         )
-        for place, (marker, (outcome, row)) in enumerate(zip(chosen.tolist(), last))
+        for k in range(len(rays))
     ]
 
 

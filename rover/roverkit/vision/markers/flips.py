@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from roverkit.vision.poses.pnp import Solution
 from roverkit.vision.poses.pose import Pose
 
@@ -69,6 +71,7 @@ class Flips:
                 return [(solutions[0].pose, 0.0)]
             return [(pose, misfit if index == nearest else misfit + JUMP) for index in range(len(solutions))]
         first, second = self._followed
-        straight = solutions[0].pose.angle_to(first[0]) + solutions[1].pose.angle_to(second[0])
-        crossed = solutions[0].pose.angle_to(second[0]) + solutions[1].pose.angle_to(first[0])
-        return [first, second] if straight <= crossed else [second, first]
+        # Of both pairings, that with the smaller sum of squared differences of the rotations.
+        apart = solutions[0].pose.rotation - solutions[1].pose.rotation
+        straight = np.vdot(apart, first[0].rotation - second[0].rotation) >= 0
+        return [first, second] if straight else [second, first]

@@ -82,5 +82,7 @@ def _smaller(image: Image, camera: CameraParameters, shrunk: int) -> tuple[Image
 
 
 def _in_smaller(guess: Guess, shrunk: int) -> Guess:
+    if shrunk == 1:
+        return guess
     # the first pixel of the smaller image has its centre between the first `shrunk` pixels of each row
     return replace(guess, corners=(guess.corners + 0.5) / shrunk - 0.5, blur=guess.blur / shrunk)

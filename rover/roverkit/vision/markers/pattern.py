@@ -23,7 +23,6 @@ number of lines of the lattice along u, and along v.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -111,14 +110,14 @@ class _Window:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _LineValues:
-    """Values of a function f at the distances a_i and b_j of the pixels from the lines of their windows."""
+    """Values of `step`, `bell` and `curve` (the first axis of the arrays) at the lines of the pixels' windows."""
 
-    lines: tuple[Singles, Singles]
-    """f(a_i) and f(b_j), each of shape (W, K, N)."""
-    modules: tuple[Singles, Singles]
-    """Decrease of f from one module of the window to the next one, along u and v, each of shape (W + 1, K, N)."""
+    lines: Singles
+    """f(a_i) and f(b_j), of shape (3, W, K, 2, N)."""
+    modules: Singles
+    """Decrease of f from one module of the window to the next one, along u and v, of shape (3, W + 1, K, 2, N)."""
     summed: Singles
-    """Sum (W + 1, K, N) over the modules along u, for each row of modules along v."""
+    """Sums (3, W + 1, K, N) over the modules along u, for each row of modules along v."""
 
 
 def make_pattern(white: NDArray[np.bool_]) -> Pattern:
@@ -156,21 +155,25 @@ def predict_grey(
     local = _blur_along_axes(by_pixel, blur)
     sigma_u, sigma_v, r = local.sigma[:, 0], local.sigma[:, 1], local.correlation
     window = _window(differences, places, local)
-    step, bell, curve = _line_values(window, _distances(window, differences, places, local, lines))
-    first, second = _sum(bell, bell), _sum(curve, curve)  # terms of r and of r^2 / 2
-    by_u, by_v = _sum(bell, step) / sigma_u, _sum(step, bell) / sigma_v
+    values = _line_values(window, _distances(window, differences, places, local, lines))
+    # The sums of D[j, i] f(a_i) g(b_j) over all lattice points (i, j), for f and g in the order step, bell, curve. Each
+    # is the sum over all modules, each with its value and the decrease of f and g from one side of it to the other
+    # (summation by parts).
+    sums = np.einsum("fbkn,gbkn->fgkn", values.summed, values.modules[:, :, :, 1])
+    first, second = sums[1, 1], sums[2, 2]  # terms of r and of r^2 / 2
+    by_u, by_v = sums[1, 0] / sigma_u, sums[0, 1] / sigma_v
     by_r = first + r * second
     # With respect to ln su and ln sv: a_i or b_j becomes smaller, and so does r = covariance / (su sv).
-    by_log_sigmas = -_sum(curve, step) - r * by_r, -_sum(step, curve) - r * by_r
+    by_log_sigmas = -sums[2, 0] - r * by_r, -sums[0, 2] - r * by_r
     (ux, uy), (vx, vy) = np.moveaxis(by_pixel, (1, 2), (0, 1))
     return PredictedGrey(
-        grey=1 + _sum(step, step) + r * (first + r / 2 * second),
+        grey=1 + sums[0, 0] + r * (first + r / 2 * second),
         by_u=by_u,
         by_v=by_v,
         by_blur=_by_blur(by_pixel, local, by_log_sigmas, by_r),
         by_growth=np.hypot(by_u * ux + by_v * vx, by_u * uy + by_v * vy),
         by_lines=(
-            _by_lines(window, differences.shape[1], local, step, bell)
+            _by_lines(window, differences.shape[1], local, values)
             if with_lines
             else np.empty((len(places), 0, r.shape[1]))
         ),
@@ -193,9 +196,9 @@ def _blur_along_axes(by_pixel: Floats, blur: Floats) -> _Blur:
 def _window(differences: Floats, places: Floats, blur: _Blur) -> _Window:
     """Return the modules around each pixel; their number follows from the largest blur."""
     markers, lines, _ = differences.shape
-    widest = float(np.max(np.nan_to_num(blur.sigma, nan=np.inf, posinf=np.inf)))
+    widest = float(np.max(blur.sigma))
     width = min(max(math.ceil(2 * _SATURATED * widest), 1), lines) if widest < lines else lines
-    first = np.clip(np.rint(np.nan_to_num(places) - (width - 1) / 2), 0, lines - width).astype(np.intp)
+    first = np.clip(np.rint(places - (width - 1) / 2).astype(np.intp), 0, lines - width)
     # the sum of the mixed differences above and to the left of a module is its value
     values = np.zeros((markers, lines + 1, lines + 1), np.float32)
     values[:, 1:, 1:] = differences.cumsum(axis=1).cumsum(axis=2)
@@ -208,37 +211,31 @@ def _window(differences: Floats, places: Floats, blur: _Blur) -> _Window:
 def _distances(window: _Window, differences: Floats, places: Floats, blur: _Blur, lines: Floats | None) -> Singles:
     """Return the distances (W, K, 2, N) a_i and b_j of the pixels from the lines, limited to `_REACH`."""
     lattice = window.first + np.arange(len(window.modules) - 1)[:, None, None, None]
-    offsets = np.zeros(1) if lines is None else np.pad(lines, ((0, 0), (0, 0), (1, 1)))
     count = differences.shape[1]
+    offsets = np.zeros((len(places), 2, count), np.float32)
+    if lines is not None:
+        offsets[:, :, 1:-1] = lines
     places_of_lines = lattice.astype(np.float32)
     if offsets.any():
         row = np.arange(len(places))[:, None, None] * 2 + np.arange(2)[:, None]
-        places_of_lines += offsets.astype(np.float32).ravel().take(row * count + lattice)
+        places_of_lines += offsets.ravel().take(row * count + lattice)
     distances = (places.astype(np.float32) - places_of_lines) * (1 / blur.sigma).astype(np.float32)
-    return np.clip(distances, -_REACH, _REACH, out=distances)
+    # unlike clip, these replace the NaN of a fit that has diverged
+    limited: Singles = np.fmax(np.fmin(distances, _REACH, out=distances), -_REACH, out=distances)
+    return limited
 
 
-def _line_values(window: _Window, distances: Singles) -> Iterator[_LineValues]:
-    """Yield the values of `step`, `bell` and `curve` at the distances (W, K, 2, N) from the lines."""
+def _line_values(window: _Window, distances: Singles) -> _LineValues:
+    """Return the values of `step`, `bell` and `curve` at the distances (W, K, 2, N) from the lines."""
     index = (distances * np.float32(_RESOLUTION) + np.float32(_REACH * _RESOLUTION + 0.5)).astype(np.intp)
-    bell = _BELL.take(index)
-    for values, before in ((_STEP.take(index), 1), (bell, 0), (distances * bell, 0)):
-        # before the window, `step` is 1, and after it 0
-        whole = np.concatenate([np.full_like(values[:1], before), values, np.zeros_like(values[:1])])
-        down = whole[:-1] - whole[1:]
-        along_u, along_v = down[:, :, 0], down[:, :, 1]
-        summed = np.einsum("bakn,akn->bkn", window.modules, along_u)
-        yield _LineValues((values[:, :, 0], values[:, :, 1]), (along_u, along_v), summed)
-
-
-def _sum(f: _LineValues, g: _LineValues) -> Floats:
-    """Return the sum (K, N) of D[j, i] f(a_i) g(b_j) over all lattice points (i, j).
-
-    It is the sum over all modules, each with its value and the decrease of f and g from one side of it to the other
-    (summation by parts).
-    """
-    total: Floats = np.einsum("bkn,bkn->kn", f.summed, g.modules[1])
-    return total
+    whole = np.zeros((3, len(distances) + 2, *distances.shape[1:]), np.float32)
+    lines = whole[:, 1:-1]
+    lines[0], lines[1] = _STEP.take(index), _BELL.take(index)
+    np.multiply(distances, lines[1], out=lines[2])
+    whole[0, 0] = 1  # before the window, `step` is 1, and after it 0
+    modules = whole[:, :-1] - whole[:, 1:]
+    summed = np.einsum("bakn,fakn->fbkn", window.modules, modules[:, :, :, 0])
+    return _LineValues(lines, modules, summed)
 
 
 def _by_blur(by_pixel: Floats, blur: _Blur, by_log_sigmas: tuple[Floats, Floats], by_r: Floats) -> Floats:
@@ -260,16 +257,17 @@ def _by_blur(by_pixel: Floats, blur: _Blur, by_log_sigmas: tuple[Floats, Floats]
     )
 
 
-def _by_lines(window: _Window, count: int, blur: _Blur, step: _LineValues, bell: _LineValues) -> Floats:
+def _by_lines(window: _Window, count: int, blur: _Blur, of_lines: _LineValues) -> Floats:
     """Return the derivative (K, 2 * (L - 2), N) of the grey values with respect to the offsets of the inner lines.
 
     `count` is L. For line i along u, it is the sum of -D[j, i] bell(a_i) step(b_j) / su over j; for line j along v
     likewise over i. It is 0 for the lines outside of the window.
     """
-    across = np.einsum("bakn,bkn->akn", np.diff(window.modules, axis=1), step.modules[1])
-    values = np.stack([across * bell.lines[0], np.diff(step.summed, axis=0) * bell.lines[1]], axis=2)
+    across = np.einsum("bakn,bkn->akn", np.diff(window.modules, axis=1), of_lines.modules[0, :, :, 1])
+    values = np.stack([across, np.diff(of_lines.summed[0], axis=0)], axis=2) * of_lines.lines[1]
     values /= -blur.sigma.astype(np.float32)
-    by_lines = np.zeros((len(blur.sigma), 2, count, blur.sigma.shape[2]), np.float32)
+    inner = np.arange(1, count - 1)[:, None]
+    by_lines = np.zeros((*window.first.shape[:2], inner.size, window.first.shape[2]), np.float32)
     for place, value in enumerate(values):
-        np.put_along_axis(by_lines, (window.first + place)[:, :, None], value[:, :, None], axis=2)
-    return by_lines[:, :, 1:-1].reshape(len(by_lines), -1, by_lines.shape[3])
+        np.copyto(by_lines, value[:, :, None], where=(window.first + place)[:, :, None] == inner)
+    return by_lines.reshape(len(by_lines), -1, by_lines.shape[3])

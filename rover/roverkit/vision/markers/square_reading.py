@@ -44,7 +44,7 @@ class SquareReader:
         self._inside = inside.ravel()
         centres = (np.arange(self._cells) + 0.5) * (2 / self._cells) - 1
         steps = (centres[:, None] + np.array(_NEAR) * (2 / self._cells)).ravel()
-        self._points = np.stack([axis.ravel() for axis in np.meshgrid(steps, steps)])
+        self._points = np.stack([axis.ravel() for axis in np.meshgrid(steps, steps)]).astype(np.float32)
         u, v = (axis.ravel() for axis in np.meshgrid(centres, centres))
         light = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=1)
         self._light = np.linalg.qr(light)[0].astype(np.float32)
@@ -61,8 +61,8 @@ class SquareReader:
             return []
         corners = np.stack([np.reshape(square, (4, 2)) for square in squares]).astype(float)
         with np.errstate(all="ignore"):
-            places, _ = apply(homographies(corners.transpose(0, 2, 1)), self._points[None])
-        x, y = np.nan_to_num(places).astype(np.float32).transpose(1, 0, 2).copy()
+            places = apply(homographies(corners.transpose(0, 2, 1)).astype(np.float32), self._points)
+        x, y = np.nan_to_num(places).transpose(1, 0, 2).copy()
         grey = cv2.remap(image, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         near = len(_NEAR)
         cells = grey.reshape(-1, self._cells, near, self._cells, near).mean(axis=(2, 4), dtype=np.float32)

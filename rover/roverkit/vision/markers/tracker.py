@@ -13,6 +13,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate, pairwise
 
 import numpy as np
 
@@ -125,15 +126,14 @@ class _Track:
     """Error in pixels of the last prediction from the velocity; infinity if there was none."""
     flips: Flips = field(default_factory=Flips)
 
-    def predicted(self, stamp: int) -> tuple[Floats, float]:
-        """Return the corners predicted for `stamp`, and the largest error of the prediction in pixels."""
-        seconds = (stamp - self.stamp) / 1e9
-        return self.corners + self.velocity * seconds, float(np.abs(self.velocity).max()) * seconds / 2
+    def predicted(self, stamp: int) -> Floats:
+        """Return the corners (4, 2) predicted for `stamp`."""
+        return self.corners + self.velocity * ((stamp - self.stamp) / 1e9)
 
     def moved(self, fitted: Fitted, stamp: int, row_s: float) -> None:
         """Set what was seen at `stamp`; `row_s` is the time in seconds from one row of the image to the next one."""
         if stamp > self.stamp:
-            self.surprise = float(np.abs(fitted.corners - self.predicted(stamp)[0]).max())
+            self.surprise = float(np.abs(fitted.corners - self.predicted(stamp)).max())
             way, seconds = fitted.corners - self.corners, (stamp - self.stamp) / 1e9
             # A corner that has moved down is read later.
             velocity = way / np.maximum(seconds + row_s * way[:, 1:], seconds / 2)
@@ -213,7 +213,8 @@ class Tracker:
             [solutions[:2] for *_, solutions in solved],
             given.side_sigma * given.covariance_scale,
         )
-        return tuple(self._sight(landmark, *known) for (landmark, *_), known in zip(solved, with_errors))
+        focal = math.sqrt(math.prod(self._camera.focal.tolist()))
+        return tuple(_sight(landmark, *known, focal) for (landmark, *_), known in zip(solved, with_errors))
 
     def _grey(self, image: Image) -> Image:
         height, width = image.shape[:2]
@@ -242,13 +243,13 @@ class Tracker:
         # If no marker is where it was, the frame may show another place.
         thorough = stamp - self._searched >= self._thorough_s * 1e9 or (due and bool(lost) and not seen)
         scanned = due or thorough or len(lost) > _REGIONS
-        found = self._scan(grey, stamp, thorough=thorough) if scanned else []
-        numbers = [detection.number for detection in _distinct(found, seen)]
+        found = _distinct(self._scan(grey, stamp, thorough=thorough), seen) if scanned else []
+        numbers = [detection.number for detection in found]
         for track in lost:
             if track.number in numbers:
                 numbers.remove(track.number)
             else:
-                found += self._detector.scan_region(grey, _region(track.predicted(stamp), grey.shape))
+                found += self._detector.scan_region(grey, _region(track, stamp, grey.shape))
         if not scanned and len(_distinct(found, seen)) < len(lost):
             found += self._scan(grey, stamp, thorough=False)
         seen += self._fit_found(grey, _distinct(found, seen), stamp)
@@ -290,7 +291,7 @@ class Tracker:
         doubtful: list[tuple[_Track, Floats]] = []
         for track in self._tracks:
             by_flow = track.surprise > _SURPRISE and track.stamp == self._stamp
-            (doubtful if by_flow else steady).append((track, track.predicted(stamp)[0]))
+            (doubtful if by_flow else steady).append((track, track.predicted(stamp)))
         if not doubtful or self._before is None or self._before.shape != grey.shape:
             return steady + doubtful
         corners = np.concatenate([track.corners for track, _ in doubtful]).astype(np.float32)
@@ -358,82 +359,86 @@ class Tracker:
         floor = np.broadcast_to(given.corner_floor * np.eye(2), (len(rays), 2, 2))
         pixels = [floor, pixels_by_camera(self._camera, self._roots, rays), doubt[..., None], motion[..., None]]
         shifts = pixels_to_rays(self._camera, rays, np.concatenate(pixels, axis=2))
-        rays = rays - shifts[:, -1].reshape(-1, 2)
-        of_tracks = zip(rays.reshape(-1, 4, 2), given.covariance_scale * shifts[:, :-1].reshape(len(tracks), 4, 2, -1))
+        rays = (rays - shifts[:, -1].reshape(-1, 2)).reshape(-1, 4, 2)
+        shifts = given.covariance_scale * shifts[:, :-1].reshape(len(tracks), 4, 2, -1)
+        own = _diagonal(shifts[..., :2] @ np.swapaxes(shifts[..., :2], 2, 3))
+        noise = np.array([track.fit.covariance for track in tracks]) * given.covariance_scale**2
+        shared = shifts[..., 2:].reshape(len(tracks), 8, -1)
+        ends = accumulate((len(landmark.tracks) for landmark in landmarks), initial=0)
         return [
-            self._corners(landmark, *map(np.concatenate, zip(*(next(of_tracks) for _ in landmark.tracks))))
-            for landmark in landmarks
+            Corners(
+                points=np.concatenate(landmark.points),
+                rays=rays[first:end].reshape(-1, 2),
+                covariance=_diagonal(noise[first:end]),
+                own=_diagonal(own[first:end]),
+                shared=shared[first:end].reshape(8 * (end - first), -1),
+            )
+            for landmark, (first, end) in zip(landmarks, pairwise(ends))
         ]
 
-    def _corners(self, landmark: _Landmark, rays: Floats, shifts: Floats) -> Corners:
-        """Return a landmark's corners.
 
-        `shifts` (N, 2, S) of its rays (N, 2) are due to all errors, the first two its own.
-        """
-        count = len(shifts)
-        own = np.zeros((count, 2, count, 2))
-        corner = np.arange(count)
-        own[corner, :, corner] = shifts[..., :2] @ shifts[..., :2].swapaxes(1, 2)
-        noise = np.zeros((count // 4, 8, count // 4, 8))
-        marker = np.arange(count // 4)
-        noise[marker, :, marker] = [track.fit.covariance for track in landmark.tracks]
-        return Corners(
-            points=np.concatenate(landmark.points),
-            rays=rays,
-            covariance=noise.reshape(2 * count, -1) * self._uncertainty.covariance_scale**2,
-            own=own.reshape(2 * count, -1),
-            shared=shifts[..., 2:].reshape(2 * count, -1),
-        )
-
-    def _sight(self, landmark: _Landmark, seen: Corners, solutions: Sequence[Solution]) -> LandmarkDetection:
-        stamp = landmark.tracks[0].stamp
-        probabilities = landmark.flips.weigh(solutions, stamp)
-        chosen = probabilities.index(max(probabilities))
-        best, focal = solutions[chosen], math.sqrt(self._camera.focal[0] * self._camera.focal[1])
-        other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
-        possible = [
-            (probability, solution.pose, solution.covariance)
-            for probability, solution in zip(probabilities, solutions)
-            if probability > _IMPOSSIBLE
-        ]
-        return LandmarkDetection(
-            id=landmark.id,
-            stamp=stamp,
-            corners=np.concatenate([track.corners for track in landmark.tracks]),
-            pose=best.pose,
-            covariance=mixed_covariance(best.pose, possible),
-            probability=probabilities[chosen],
-            ambiguity=other / max(best.error, 1e-12),
-            error=best.error * focal,
-            seen=seen,
-            solutions=tuple(solutions),
-            shared=landmark.shared,
-        )
+def _diagonal(blocks: Floats) -> Floats:
+    """Return the block diagonal matrices (..., K N, K N) with K blocks (..., K, N, N) each."""
+    *many, count, size, _ = blocks.shape
+    whole = np.zeros((*many, count, size, count, size))
+    for place in range(count):
+        whole[..., place, :, place, :] = blocks[..., place, :, :]
+    return whole.reshape(*many, count * size, count * size)
 
 
-def _distinct(found: Iterable[MarkerDetection], seen: Iterable[_Track]) -> list[MarkerDetection]:
+def _sight(landmark: _Landmark, seen: Corners, solutions: Sequence[Solution], focal: float) -> LandmarkDetection:
+    stamp = landmark.tracks[0].stamp
+    probabilities = landmark.flips.weigh(solutions, stamp)
+    chosen = probabilities.index(max(probabilities))
+    best = solutions[chosen]
+    other = solutions[1 - chosen].error if len(solutions) == 2 else math.inf
+    possible = [
+        (probability, solution.pose, solution.covariance)
+        for probability, solution in zip(probabilities, solutions)
+        if probability > _IMPOSSIBLE
+    ]
+    return LandmarkDetection(
+        id=landmark.id,
+        stamp=stamp,
+        corners=np.concatenate([track.corners for track in landmark.tracks]),
+        pose=best.pose,
+        covariance=mixed_covariance(best.pose, possible),
+        probability=probabilities[chosen],
+        ambiguity=other / max(best.error, 1e-12),
+        error=best.error * focal,
+        seen=seen,
+        solutions=tuple(solutions),
+        shared=landmark.shared,
+    )
+
+
+def _distinct(found: Sequence[MarkerDetection], seen: Sequence[_Track]) -> list[MarkerDetection]:
     """Return the detections of markers that are not seen yet; of several detections of a marker, the largest one."""
-    distinct: list[MarkerDetection | _Track] = list(seen)
-    known = len(distinct)
-    for detection in sorted(found, key=lambda detection: -extent(detection.corners)):
-        if not any(_is_same(detection, other) for other in distinct):
+    if not found:
+        return []
+    known = len(seen)
+    corners = np.array([track.corners for track in seen] + [detection.corners for detection in found]).reshape(-1, 4, 2)
+    middles, sizes = corners.mean(axis=1).tolist(), np.ptp(corners, axis=1).mean(axis=1).tolist()
+    of_number: dict[int, list[int]] = {}
+    for place, track in enumerate(seen):
+        of_number.setdefault(track.number, []).append(place)
+    distinct = []
+    for place in sorted(range(known, len(corners)), key=lambda place: -sizes[place]):
+        detection = found[place - known]
+        others = of_number.setdefault(detection.number, [])
+        if all(math.dist(middles[place], middles[one]) >= max(sizes[place], sizes[one]) / 2 for one in others):
+            others.append(place)
             distinct.append(detection)
-    return [detection for detection in distinct[known:] if isinstance(detection, MarkerDetection)]
-
-
-def _is_same(marker: MarkerDetection | _Track, other: MarkerDetection | _Track) -> bool:
-    """Return true if these are the same marker, and not two markers with the same number."""
-    if marker.number != other.number:
-        return False
-    return _distance(marker.corners, other.corners) < max(extent(marker.corners), extent(other.corners)) / 2
+    return distinct
 
 
 def _distance(corners: Floats, others: Floats) -> float:
     return float(np.linalg.norm(corners.mean(axis=0) - others.mean(axis=0)))
 
 
-def _region(predicted: tuple[Floats, float], shape: tuple[int, ...]) -> Region:
-    corners, doubt = predicted
+def _region(track: _Track, stamp: int, shape: tuple[int, ...]) -> Region:
+    corners = track.predicted(stamp)
+    doubt = float(np.abs(corners - track.corners).max()) / 2
     low, high = corners.min(axis=0), corners.max(axis=0)
     margin = max(_MARGIN * float(np.max(high - low)), _LEAST_MARGIN) + doubt
     left, top = np.floor(np.maximum(low - margin, 0)).astype(int)

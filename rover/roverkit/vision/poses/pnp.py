@@ -6,8 +6,8 @@ plane z = 1), so no model of the lens is needed here. A landmark is a marker or 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from roverkit.gating import gate_limit
 from roverkit.vision.camera.camera_model import Floats
-from roverkit.vision.markers.marker_set import square
-from roverkit.vision.opencv import cv2
 from roverkit.vision.poses.pose import Pose, predict_all, rotation_of
 
 # cv2.solvePnP gives no covariance, takes no weights, and IPPE needs all corners in one plane, which a board's markers
@@ -34,6 +32,8 @@ _CONVERGED = 1e-3
 _SAME = np.radians(0.05)
 """Angle in radians below which two solutions count as one."""
 _MOST_DAMPED = 1e6
+_SIGNS = np.array([[1, 1, 1, 1], [-1, 1, 1, -1], [1, 1, -1, -1], [-1, 1, -1, 1]])
+"""Signs of 1, x, y and xy at the four corners of a marker, in the order of `square`, with y up."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,74 +80,121 @@ def square_poses(points: Floats, rays: Floats) -> list[list[Pose]]:
     """Return both possible poses of each of K markers, given their corners (K, 4, 3) and rays (K, 4, 2).
 
     The corners are in the frame of the landmark (marker or board), in which a marker may lie anywhere. Uses IPPE
-    (Collins and Bartoli, 2014) from OpenCV.
+    (Collins and Bartoli, 2014): the place and the derivative of the homography at the marker's centre have two poses.
     """
     right, up = points[:, 1] - points[:, 0], points[:, 0] - points[:, 3]
-    sides = np.sqrt((right * right).sum(axis=1))
-    right, up = right / sides[:, None], up / sides[:, None]
-    to_marker = np.stack([right, up, np.cross(right, up)], axis=1)
-    middles = points.mean(axis=1)
-    found = [_ippe(float(side), own) for side, own in zip(sides, rays)]
-    owners = [owner for owner, solutions in enumerate(found) for _ in solutions]
-    turns, shifts = (
-        np.array([solution for solutions in found for solution in solutions]).reshape(-1, 2, 3).swapaxes(0, 1)
-    )
-    rotations = rotation_of(turns) @ to_marker[owners]
-    translations = shifts - (rotations @ middles[owners][..., None])[..., 0]
-    usable = np.isfinite(rotations).all(axis=(1, 2)) & (shifts[:, 2] > 0)
-    poses: list[list[Pose]] = [[] for _ in found]
-    for index in np.flatnonzero(usable):
-        poses[owners[index]].append(Pose(rotations[index], translations[index]))
+    sides = np.sqrt((right * right).sum(axis=1))[:, None]
+    with np.errstate(all="ignore"):  # corners that are no quadrilateral
+        centre, derivative = _homography(rays)
+        owners = np.flatnonzero(np.isfinite(derivative).all(axis=(1, 2)) & (np.linalg.det(derivative) != 0))
+    sight = np.ones((len(owners), 2, 3))  # of the centre, and a vector across it
+    sight[:, 0, :2] = centre[owners]
+    sight[:, 1, 1], sight[:, 1, 2] = 0, -sight[:, 0, 0]
+    sight /= np.sqrt((sight * sight).sum(axis=2))[..., None]
+    axes = _frames(sight[:, 0], sight[:, 1])
+    # Along the line of sight, a marker is shortened in one direction: by the cosine of its tilt.
+    left, scales, turn = np.linalg.svd(np.swapaxes(axes[:, :2, 1:], 1, 2) @ derivative[owners])
+    cosine = scales[:, 1] / scales[:, 0]
+    left[:, :, 1] *= cosine[:, None]
+    flat = axes[:, :, 1:] @ left @ turn
+    deep = axes[:, :, :1] @ (np.sqrt(1 - cosine**2)[:, None] * turn[:, 1])[:, None]
+    along = np.stack([flat + deep, flat - deep])
+    to_marker = np.swapaxes(_frames(right / sides, up / sides), 1, 2)
+    rotations = _frames(along[..., 0], along[..., 1]) @ to_marker[owners]
+    # The translation that brings the corners nearest to their rays, by linear least squares.
+    rays = rays[owners]
+    turned = points[owners] @ np.swapaxes(rotations, 2, 3)
+    missing = rays * turned[..., 2:] - turned[..., :2]
+    middle = rays.mean(axis=1)
+    apart = rays - middle[:, None]
+    depth = -((apart * missing).sum(axis=(2, 3)) / (apart * apart).sum(axis=(1, 2)))[..., None]
+    translations = np.concatenate([missing.mean(axis=2) + middle * depth, depth], axis=2)
+    poses: list[list[Pose]] = [[] for _ in points]
+    for owner, turns, shifts in zip(owners, rotations.swapaxes(0, 1), translations.swapaxes(0, 1)):
+        poses[owner] = list(map(Pose, turns, shifts))
     return poses
 
 
-def _ippe(side: float, rays: Floats) -> list[tuple[Floats, Floats]]:
-    """Return the rotation vectors (3,) and translations (3,) of a marker's possible poses (marker to camera).
+def _frames(x: Floats, y: Floats) -> Floats:
+    """Return the rotations (..., 3, 3) whose columns are x, y (..., 3) and their cross product."""
+    # np.cross takes several times as long.
+    z = x[..., [1, 2, 0]] * y[..., [2, 0, 1]] - x[..., [2, 0, 1]] * y[..., [1, 2, 0]]
+    return np.stack([x, y, z], axis=-1)
 
-    The frame of the marker has its origin in the marker's centre, x to the right and y up.
+
+def _homography(rays: Floats) -> tuple[Floats, Floats]:
+    """Return the rays (K, 2) of the centres of K markers, given those of the corners (K, 4, 2), and their derivatives.
+
+    The derivatives (K, 2, 2) are with respect to the place on the marker, in halves of its side: x right and y up. They
+    are not finite, or have no inverse, if three corners lie on one line.
     """
-    _, turns, shifts, _ = cv2.solvePnPGeneric(
-        square(side), rays.reshape(4, 1, 2), np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
-    )
-    return [(turn.ravel(), shift.ravel()) for turn, shift in zip(turns, shifts)]
+    mean, x, y, xy = (_SIGNS @ rays / 4).swapaxes(0, 1)
+    area = _cross(x, y)
+    # Corners have the places (-1, 1), (1, 1) and so on; (1 + by_x x + by_y y) times a ray is linear in the place.
+    by_x, by_y = _cross(xy, x) / area, _cross(y, xy) / area
+    centre = mean + by_x * x + by_y * y
+    slopes = x + by_x * mean + by_y * xy - by_x * centre, y + by_x * xy + by_y * mean - by_y * centre
+    return centre, np.stack(slopes, axis=2)
+
+
+def _cross(vectors: Floats, others: Floats) -> Floats:
+    """Return the cross products (K, 1) of vectors (K, 2) in a plane."""
+    return vectors[:, :1] * others[:, 1:] - vectors[:, 1:] * others[:, :1]
+
+
+class _Group(NamedTuple):
+    """G landmarks with the same number N of corners; they are treated together, as numpy is slow on small arrays."""
+
+    owners: Sequence[int]
+    """Indices of the landmarks."""
+    points: Floats
+    """Points (G, N, 3) as in `Corners`."""
+    rays: Floats
+    covariance: Floats
+
+
+def _groups(seen: Sequence[Corners]) -> Iterator[_Group]:
+    by_count: dict[int, list[int]] = {}
+    for owner, corners in enumerate(seen):
+        by_count.setdefault(len(corners.points), []).append(owner)
+    for owners in by_count.values():
+        group = [seen[owner] for owner in owners]
+        yield _Group(
+            owners,
+            np.array([corners.points for corners in group]),
+            np.array([corners.rays for corners in group]),
+            np.array([corners.covariance for corners in group]),
+        )
 
 
 def solve(seen: Sequence[Corners], starts: Sequence[Sequence[Pose]]) -> list[list[Solution]]:
-    """Refine the start poses of each landmark; return the distinct solutions of each landmark, the best first.
-
-    Landmarks with the same number of corners are refined together, because numpy is slow on small arrays.
-    """
+    """Refine the start poses of each landmark; return the distinct solutions of each landmark, the best first."""
     found: list[list[Solution]] = [[] for _ in seen]
-    by_count: dict[int, list[_Start]] = {}
-    for owner, (corners, poses) in enumerate(zip(seen, starts)):
-        if (whitening := _whitening(corners)) is not None:
-            group = by_count.setdefault(len(corners.points), [])
-            group += [_Start(owner, corners, whitening, pose) for pose in poses]
-    for group in by_count.values():
-        for start, solution in zip(group, _solutions(group)):
+    for group in _groups(seen):
+        whitening = _whitening(group.covariance)
+        usable = np.isfinite(whitening).all(axis=(1, 2)).tolist()
+        rows = [(place, pose) for place, owner in enumerate(group.owners) if usable[place] for pose in starts[owner]]
+        if not rows:
+            continue
+        places = np.array([place for place, _ in rows])
+        problem = _Problem(places, group.points[places], group.rays[places], whitening[places])
+        for (place, _), solution in zip(rows, _solutions(problem, [pose for _, pose in rows])):
             if solution:
-                found[start.owner].append(solution)
+                found[group.owners[place]].append(solution)
     return [_different(solutions) for solutions in found]
 
 
-class _Start(NamedTuple):
-    """Start pose of a landmark, with the corners to which it is fitted."""
+def _whitening(covariance: Floats) -> Floats:
+    """Return the matrices (P, 2N, 2N) that make errors with covariances (P, 2N, 2N) independent with variance 1.
 
-    owner: int
-    """Index of the landmark."""
-    corners: Corners
-    whitening: Floats
-    pose: Pose
-
-
-def _whitening(corners: Corners) -> Floats | None:
-    """Return the matrix (2N, 2N) that makes the errors of the rays independent with variance 1; None if none exists."""
+    A matrix is NaN if the covariance is not positive definite: two corners are at one place, or not finite.
+    """
     try:
-        # cholesky raises for a covariance that is not positive definite: two corners at one place, or numbers that are
-        # not finite.
-        return np.linalg.inv(np.linalg.cholesky(corners.covariance))
+        return np.linalg.inv(np.linalg.cholesky(covariance))
     except np.linalg.LinAlgError:
-        return None
+        if len(covariance) == 1:
+            return np.full_like(covariance, np.nan)
+        return np.concatenate([_whitening(one[None]) for one in covariance])
 
 
 def _different(solutions: list[Solution]) -> list[Solution]:
@@ -159,14 +206,15 @@ def _different(solutions: list[Solution]) -> list[Solution]:
     return kept
 
 
+@dataclass(frozen=True, slots=True, eq=False)
 class _Problem:
     """Fit of P poses to corners; the arrays have the shape (P, N, ...) for N corners each."""
 
-    def __init__(self, starts: Sequence[_Start]) -> None:
-        self.owners = np.array([start.owner for start in starts])
-        self.points = np.stack([start.corners.points for start in starts])
-        self.rays = np.stack([start.corners.rays for start in starts])
-        self.whitening = np.stack([start.whitening for start in starts])
+    owners: NDArray[np.int_]
+    """Indices (P,) of the landmarks."""
+    points: Floats
+    rays: Floats
+    whitening: Floats
 
     def at(self, rotation: Floats, translation: Floats) -> _Places:
         """Return P poses with the residuals of their corners and the derivatives of the predicted rays."""
@@ -206,19 +254,13 @@ class _Places:
         return _Places(*(np.where(chosen.reshape(-1, *[1] * (own.ndim - 1)), own, theirs) for own, theirs in pairs))
 
 
-def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
-    """Refine start poses whose landmarks have the same number of corners; return one solution for each start pose.
-
-    A result is None if the corners do not determine the pose.
-    """
-    if not starts:
-        return []
-    problem = _Problem(starts)
+def _solutions(problem: _Problem, starts: Sequence[Pose]) -> list[Solution | None]:
+    """Refine the P start poses of a problem; return one solution for each, None if the corners do not determine it."""
     with np.errstate(all="ignore"):  # poses behind the camera, or that diverge
         places = problem.at(
-            np.stack([start.pose.rotation for start in starts]), np.stack([start.pose.translation for start in starts])
+            np.array([pose.rotation for pose in starts]), np.array([pose.translation for pose in starts])
         )
-        least = np.full(problem.owners.max() + 1, np.inf)
+        least = np.full(int(np.max(problem.owners)) + 1, np.inf)
         np.fmin.at(least, problem.owners, places.chi2)
         places = _refine(problem, places, places.chi2 < WORST_START * (1 + least[problem.owners]))
         normal = places.normal()
@@ -229,14 +271,10 @@ def _solutions(starts: Sequence[_Start]) -> list[Solution | None]:
     covariance = (covariance + np.swapaxes(covariance, 1, 2)) / 2
     error = np.sqrt((places.missed**2).sum(axis=2).mean(axis=1))
     return [
-        (
-            Solution(
-                Pose(places.rotation[k], places.translation[k]), covariance[k], float(places.chi2[k]), float(error[k])
-            )
-            if usable[k]
-            else None
+        Solution(Pose(rotation, translation), its_covariance, chi2, its_error) if good else None
+        for rotation, translation, its_covariance, chi2, its_error, good in zip(
+            places.rotation, places.translation, covariance, places.chi2.tolist(), error.tolist(), usable.tolist()
         )
-        for k in range(len(starts))
     ]
 
 
@@ -277,48 +315,47 @@ def with_all_errors(
     deviation of the size of all landmarks, as a fraction. The solutions are returned best fit first, by all errors.
     """
     results: dict[int, tuple[Corners, list[Solution]]] = {}
-    groups: dict[int, list[int]] = {}
-    for owner, corners in enumerate(seen):
-        groups.setdefault(len(corners.points), []).append(owner)
-    for owners in groups.values():
-        # Those with the same number of corners together, because numpy is slow on small arrays.
-        rows = [(owner, solution) for owner in owners for solution in found[owner]]
-        rotation = np.stack([solution.pose.rotation for _, solution in rows])
-        points = np.stack([seen[owner].points for owner, _ in rows])
-        rays, derivative = predict_all(rotation, np.stack([solution.pose.translation for _, solution in rows]), points)
+    for group in _groups(seen):
+        members = [seen[owner] for owner in group.owners]
+        rows = [solution for owner in group.owners for solution in found[owner]]
+        counts = [len(found[owner]) for owner in group.owners]
+        of, firsts = np.repeat(np.arange(len(counts)), counts), np.cumsum([0, *counts[:-1]])
+        rotation = np.array([solution.pose.rotation for solution in rows])
+        points = group.points[of]
+        rays, derivative = predict_all(rotation, np.array([solution.pose.translation for solution in rows]), points)
         larger = (derivative[..., :3] @ (points @ np.swapaxes(rotation, 1, 2))[..., None]).reshape(len(rows), -1, 1)
-        firsts = [next(row for row, (other, _) in enumerate(rows) if other == owner) for owner in owners]
-        shifts = dict(zip(owners, side_sigma * larger[firsts]))
-        shared = {owner: np.concatenate([seen[owner].shifts, shifts[owner]], axis=1) for owner in owners}
-        whole = np.stack([seen[owner].own_covariance + shared[owner] @ shared[owner].T for owner, _ in rows])
+        shifts = np.concatenate([np.array([one.shifts for one in members]), side_sigma * larger[firsts]], axis=2)
+        whole = np.array([one.own_covariance for one in members]) + shifts @ np.swapaxes(shifts, 1, 2)
+        inverse = np.linalg.inv(whole)[of]
         by_pose = derivative.reshape(len(rows), -1, 6)
-        weighed = np.swapaxes(by_pose, 1, 2) @ np.linalg.inv(whole)
-        missed = np.stack([seen[owner].rays for owner, _ in rows]).reshape(len(rows), -1, 1) - rays.reshape(
-            len(rows), -1, 1
-        )
+        weighed = np.swapaxes(by_pose, 1, 2) @ inverse
+        missed = (group.rays[of] - rays).reshape(len(rows), -1, 1)
         # chi squared of the pose that fits best if all errors are considered, near the pose
         left = missed - by_pose @ np.linalg.solve(weighed @ by_pose, weighed @ missed)
-        chi2 = (left * np.linalg.solve(whole, left)).sum(axis=(1, 2))
-        image = np.stack([seen[owner].covariance for owner, _ in rows])
-        alone = np.stack([solution.covariance for _, solution in rows])
-        gain = alone @ np.swapaxes(np.linalg.solve(image, by_pose), 1, 2)
-        covariance = gain @ whole @ np.swapaxes(gain, 1, 2)
-        covariance = (covariance + np.swapaxes(covariance, 1, 2)) / 2
-        for owner in owners:
-            mine = [row for row, (other, _) in enumerate(rows) if other == owner]
-            factor = _excess(float(np.min(chi2[mine])), seen[owner])
-            known = [
-                replace(rows[row][1], covariance=factor * covariance[row], chi2=float(chi2[row]) / factor)
-                for row in mine
-            ]
-            corners, own = seen[owner], seen[owner].own
-            wider = replace(
-                corners,
-                covariance=corners.covariance * factor,
-                own=None if own is None else own * factor,
-                shared=shared[owner] * factor**0.5,
+        chi2 = (left * (inverse @ left)).sum(axis=(1, 2))
+        alone = np.array([solution.covariance for solution in rows])
+        gain = alone @ np.swapaxes(by_pose, 1, 2) @ np.linalg.inv(group.covariance)[of]
+        covariance = gain @ whole[of] @ np.swapaxes(gain, 1, 2)
+        # The factor by which covariances are too small; 1 if chi squared can be chance.
+        freedom = group.rays[0].size - 6
+        least = np.minimum.reduceat(chi2, firsts)
+        factors = np.where(least > gate_limit(freedom), least / freedom, 1.0)
+        chi2 /= factors[of]
+        covariance = factors[of, None, None] * (covariance + np.swapaxes(covariance, 1, 2)) / 2
+        known = [
+            Solution(solution.pose, its_covariance, its_chi2, solution.error)
+            for solution, its_covariance, its_chi2 in zip(rows, covariance, chi2.tolist())
+        ]
+        images, shifts = factors[:, None, None] * group.covariance, np.sqrt(factors)[:, None, None] * shifts
+        for owner, one, first, factor, image, its_shifts in zip(
+            group.owners, members, firsts, factors.tolist(), images, shifts
+        ):
+            own = None if one.own is None else one.own * factor
+            mine = known[first : first + len(found[owner])]
+            results[owner] = (
+                Corners(one.points, one.rays, image, own, its_shifts),
+                sorted(mine, key=lambda solution: solution.chi2),
             )
-            results[owner] = wider, sorted(known, key=lambda solution: solution.chi2)
     return [results[owner] for owner in range(len(seen))]
 
 
@@ -329,12 +366,8 @@ def mixed_covariance(pose: Pose, possible: Sequence[tuple[float, Pose, Floats]])
     """
     whole = np.zeros((6, 6))
     for probability, other, covariance in possible:
-        change = pose.change_to(other)
-        whole += probability * (covariance + np.outer(change, change))
+        whole += probability * covariance
+        if other is not pose:
+            change = pose.change_to(other)
+            whole += probability * np.outer(change, change)
     return whole
-
-
-def _excess(chi2: float, corners: Corners) -> float:
-    """Return the factor by which covariances are too small; 1 if chi squared can be chance."""
-    freedom = corners.rays.size - 6
-    return chi2 / freedom if chi2 > gate_limit(freedom) else 1.0

@@ -53,8 +53,8 @@ class Pose:
 
         The Frobenius norm of the difference of two rotation matrices is sqrt(8) sin(angle / 2).
         """
-        apart = (other.rotation - self.rotation).ravel()
-        return 2 * math.asin(min(math.sqrt(float(apart @ apart) / 8), 1.0))
+        apart = other.rotation - self.rotation
+        return 2 * math.asin(min(math.sqrt(float(np.vdot(apart, apart)) / 8), 1.0))
 
 
 IDENTITY = Pose(np.eye(3), np.zeros(3))
