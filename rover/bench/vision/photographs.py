@@ -88,7 +88,7 @@ def measure(say: Callable[[str], None], folder: Path = PHOTOS) -> SectionResult:
     rows = [[one.contestant, f"{one.milliseconds:.1f}"] for one in costs]
     notes = ["A photograph with all 20 markers, shaken. roverlink: tracking with poses; OpenCV: detection only."]
     tables.append(Table("CPU time per frame of 20 markers", ("", "ms"), [Group("", rows)], notes))
-    values = {"room": found, "board": fits, "cost": costs}
+    values: dict[str, list[Found] | list[Fit] | list[Cost]] = {"room": found, "board": fits, "cost": costs}
     return SectionResult(tables, (), {name: [asdict(one) for one in rows] for name, rows in values.items()})
 
 
