@@ -80,7 +80,7 @@ class _Sighting(NamedTuple):
     point: OdometryPoint
     place: PlanarGaussian
     news: float
-    """What it tells about the landmark, as a part of what an independent sighting tells."""
+    """Share of the information of an independent sighting that this one gives about the landmark."""
 
 
 class _Misfit(NamedTuple):

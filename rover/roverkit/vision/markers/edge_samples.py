@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.markers.pattern import Pattern
+from roverkit.vision.poses.homography import apply_with_derivative
 
 ACROSS = (-1.0, 0.0, 1.0)
 """Distances from an edge, in pixels, at which pixels are taken."""
@@ -22,8 +23,6 @@ CLEAR = 2.2
 
 The white border is at least one module wide. A module is one black or white cell of the marker.
 """
-SQUARE = np.array([[-1.0, 1, 1, -1], [-1.0, -1, 1, 1]])  # a marker's corners, v down, in OpenCV's order
-LIFTED = np.vstack([SQUARE, np.ones(4)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,39 +101,6 @@ def make_batch(patterns: Sequence[Pattern], rays: Floats) -> MarkerBatch:
         centre=centre,
         scale=np.abs(rays - centre[:, None]).max(axis=(1, 2)),
     )
-
-
-def homographies(points: Floats) -> Floats:
-    """Return the homographies (K, 3, 3) that map the corners of `SQUARE` to points (K, 2, 4).
-
-    Their last element is 1.
-    """
-    u, v = SQUARE
-    rows = np.zeros((len(points), 2, 4, 8))
-    rows[:, 0, :, :3] = rows[:, 1, :, 3:6] = LIFTED.T
-    rows[:, :, :, 6] = -u * points
-    rows[:, :, :, 7] = -v * points
-    solution = np.linalg.solve(rows.reshape(-1, 8, 8), points.reshape(-1, 8, 1))
-    whole: Floats = np.concatenate([solution[..., 0], np.ones((len(points), 1))], axis=1)
-    return whole.reshape(-1, 3, 3)
-
-
-def apply(homography: Floats, points: Floats) -> Floats:
-    """Map points (K, 2, N) by homographies (K, 3, 3)."""
-    lifted = homography[:, :, :2] @ points + homography[:, :, 2:]
-    images: Floats = lifted[:, :2] / lifted[:, 2:]
-    return images
-
-
-def apply_with_derivative(homography: Floats, points: Floats) -> tuple[Floats, Floats]:
-    """Map points (K, 2, N) by homographies (K, 3, 3).
-
-    Returns the mapped points (K, 2, N), and their derivative (K, 2, 2, N) with respect to the given points.
-    """
-    lifted = homography[:, :, :2] @ points + homography[:, :, 2:]
-    images = lifted[:, :2] / lifted[:, 2:]
-    slope = homography[:, :2, :2, None] - images[:, :, None] * homography[:, 2, None, :2, None]
-    return images, slope / lifted[:, 2, None, None]
 
 
 def _inverse(matrices: Floats) -> Floats:

@@ -28,18 +28,9 @@ from numpy.typing import NDArray
 
 from roverkit.gating import gate_limit
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
-from roverkit.vision.markers.edge_samples import (
-    LIFTED,
-    SQUARE,
-    MarkerBatch,
-    Pixels,
-    apply_with_derivative,
-    choose_pixels,
-    homographies,
-    make_batch,
-    product,
-)
+from roverkit.vision.markers.edge_samples import MarkerBatch, Pixels, choose_pixels, make_batch, product
 from roverkit.vision.markers.pattern import Pattern, predict_grey
+from roverkit.vision.poses.homography import LIFTED, SQUARE, apply_with_derivative, homographies
 
 # Why not OpenCV's refinements: SUBPIX looks for saddles, and the outer corners of a marker are none, which biases the
 # size of the marker and so its distance. APRILTAG fits the four outer edges only; the edges between the bits are as
@@ -67,7 +58,7 @@ NEAR = 0.2
 A Gauss-Newton step leaves an error that is quadratic in the motion: here less than half a standard deviation.
 """
 SETTLED = 0.05
-"""As `NEAR`, for a marker whose inner lines are unknown: if they are misplaced, many pixels are outliers at first."""
+"""Motion as in `NEAR` for a marker whose inner lines are unknown: if misplaced, many pixels are outliers at first."""
 UNSETTLED = 0.5
 """Motion of corners in pixels in the last step above which the fit has diverged."""
 OUTLIERS = (3.0, 5.0)

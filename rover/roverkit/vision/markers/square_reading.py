@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roverkit.vision.camera.camera_model import Floats
-from roverkit.vision.markers.edge_samples import apply, homographies
 from roverkit.vision.opencv import cv2
+from roverkit.vision.poses.homography import apply, homographies
 
 _NEAR = (-0.2, 0.0, 0.2)
 """Distances of the points from the centre of a cell, along both sides, in cells."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from roverkit.gating import gate_limit
 from roverkit.vision.camera.camera_model import Floats
+from roverkit.vision.poses.homography import apply_with_derivative, homographies
 from roverkit.vision.poses.pose import Pose, predict_all, rotation_of
 
 # cv2.solvePnP gives no covariance, takes no weights, and IPPE needs all corners in one plane, which a board's markers
@@ -32,8 +33,6 @@ _CONVERGED = 1e-3
 _SAME = np.radians(0.05)
 """Angle in radians below which two solutions count as one."""
 _MOST_DAMPED = 1e6
-_SIGNS = np.array([[1, 1, 1, 1], [-1, 1, 1, -1], [1, 1, -1, -1], [-1, 1, -1, 1]])
-"""Signs of 1, x, y and xy at the four corners of a marker, in the order of `square`, with y up."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +84,8 @@ def square_poses(points: Floats, rays: Floats) -> list[list[Pose]]:
     right, up = points[:, 1] - points[:, 0], points[:, 0] - points[:, 3]
     sides = np.sqrt((right * right).sum(axis=1))[:, None]
     with np.errstate(all="ignore"):  # corners that are no quadrilateral
-        centre, derivative = _homography(rays)
+        centre, derivative = apply_with_derivative(homographies(np.swapaxes(rays, 1, 2)), np.zeros((1, 2, 1)))
+        centre, derivative = centre[..., 0], derivative[..., 0] * (1, -1)  # with respect to x right and y up
         owners = np.flatnonzero(np.isfinite(derivative).all(axis=(1, 2)) & (np.linalg.det(derivative) != 0))
     sight = np.ones((len(owners), 2, 3))  # of the centre, and a vector across it
     sight[:, 0, :2] = centre[owners]
@@ -120,26 +120,6 @@ def _frames(x: Floats, y: Floats) -> Floats:
     # np.cross takes several times as long.
     z = x[..., [1, 2, 0]] * y[..., [2, 0, 1]] - x[..., [2, 0, 1]] * y[..., [1, 2, 0]]
     return np.stack([x, y, z], axis=-1)
-
-
-def _homography(rays: Floats) -> tuple[Floats, Floats]:
-    """Return the rays (K, 2) of the centres of K markers, given those of the corners (K, 4, 2), and their derivatives.
-
-    The derivatives (K, 2, 2) are with respect to the place on the marker, in halves of its side: x right and y up. They
-    are not finite, or have no inverse, if three corners lie on one line.
-    """
-    mean, x, y, xy = (_SIGNS @ rays / 4).swapaxes(0, 1)
-    area = _cross(x, y)
-    # Corners have the places (-1, 1), (1, 1) and so on; (1 + by_x x + by_y y) times a ray is linear in the place.
-    by_x, by_y = _cross(xy, x) / area, _cross(y, xy) / area
-    centre = mean + by_x * x + by_y * y
-    slopes = x + by_x * mean + by_y * xy - by_x * centre, y + by_x * xy + by_y * mean - by_y * centre
-    return centre, np.stack(slopes, axis=2)
-
-
-def _cross(vectors: Floats, others: Floats) -> Floats:
-    """Return the cross products (K, 1) of vectors (K, 2) in a plane."""
-    return vectors[:, :1] * others[:, 1:] - vectors[:, 1:] * others[:, :1]
 
 
 class _Group(NamedTuple):
