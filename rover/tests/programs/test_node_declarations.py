@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import logging
+import os
 import re
 import subprocess
 import sys
@@ -71,6 +72,16 @@ def test_declarations_need_no_optional_package() -> None:
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.stderr, done.stdout) == ("", f"{len(declared_nodes())}\n")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="counts threads in /proc")
+def test_numpy_starts_no_threads_in_programs() -> None:
+    """Its threads spin between products of small matrices, which takes the processor from the other programs."""
+    product = "import roverkit, numpy, os; numpy.ones((600, 600)) @ numpy.ones((600, 600))"
+    words = [sys.executable, "-c", f"{product}; print(len(os.listdir('/proc/self/task')))"]
+    unset = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    assert subprocess.run(words, capture_output=True, text=True, check=True, env=unset).stdout == "1\n"
 
 
 def test_programs_open_declared_topics_only() -> None:

@@ -82,6 +82,11 @@ RIGID = 1e12
 _MAD_TO_SIGMA = 1.4826  # for a normal distribution: 1 / 0.6745
 _ROUNDING = 0.3  # standard deviation of rounding to whole grey levels: 1 / sqrt(12)
 _RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible
+_BLOCK = 80
+"""Number of pixels in one product of matrices.
+
+With up to 57 rows each, it is so small that OpenBLAS starts no threads for it, where roverkit could not forbid them.
+"""
 _FEW = 4  # a step for up to a quarter of the markers takes half as long as for all of them
 
 # The fit of a frame needs some megabytes for a moment. The allocator of glibc gives such memory back to the system, and
@@ -321,8 +326,8 @@ def _step(
     design[:, _GEOMETRY:rigid] *= roots
     design[:, rigid:] *= contrast
     missed = residuals * roots[:, 0]
-    normal = (design @ design.transpose(0, 2, 1)).astype(float)  # faster if both factors are the same array
-    right = (design @ missed[:, :, None]).astype(float)
+    normal = _summed(design, design).astype(float)  # faster if both factors are the same array
+    right = _summed(design, missed[:, None]).astype(float)
     held, towards = normal, right
     if rigidity is not None:
         held, towards = normal.copy(), right.copy()
@@ -330,7 +335,7 @@ def _step(
         held[:, free, free] += rigidity[:, None]
         towards[:, free, 0] -= rigidity[:, None] * state.lines.reshape(len(normal), -1)
     change = _solve(held, towards)
-    left = roots[:, 0] * (missed - (change.astype(np.float32)[:, None] @ design)[:, 0])
+    left = roots[:, 0] * (missed - np.einsum("ku,kun->kn", change.astype(np.float32), design))
     homography = state.homography.copy()
     homography.reshape(-1, 9)[:, :8] += change[:, :8]
     blur = _possible(state.blur + change[:, [8, 9, 9, 10]].reshape(-1, 2, 2))
@@ -361,7 +366,7 @@ def _level(light: Floats, grey: Floats, used: Floats) -> tuple[Floats, Floats]:
 
     `used` (K, L, N) is `light` with 0 for the pixels that do not count.
     """
-    normal, right = used @ light.transpose(0, 2, 1), used @ grey[:, :, None]
+    normal, right = _summed(used, light), _summed(used, grey[:, None])
     level = _solve(normal.astype(float), right.astype(float)).astype(np.float32)
     return level, grey - (level[:, None] @ light)[:, 0]
 
@@ -404,6 +409,12 @@ def _shift(before: _State, after: _State) -> Floats:
 def _squares(values: Floats) -> Floats:
     total: Floats = np.einsum("kn,kn->k", values, values)
     return total
+
+
+def _summed(left: Floats, right: Floats) -> Floats:
+    """Return the sums (K, A, B) over the pixels of the products of values (K, A, N) and (K, B, N)."""
+    blocks = (slice(first, first + _BLOCK) for first in range(0, left.shape[2], _BLOCK))
+    return np.add.reduce([left[..., block] @ right[..., block].transpose(0, 2, 1) for block in blocks])
 
 
 def _solve(normal: Floats, right: Floats) -> Floats:
