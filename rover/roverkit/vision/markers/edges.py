@@ -414,7 +414,8 @@ def _squares(values: Floats) -> Floats:
 def _summed(left: Floats, right: Floats) -> Floats:
     """Return the sums (K, A, B) over the pixels of the products of values (K, A, N) and (K, B, N)."""
     blocks = (slice(first, first + _BLOCK) for first in range(0, left.shape[2], _BLOCK))
-    return np.add.reduce([left[..., block] @ right[..., block].transpose(0, 2, 1) for block in blocks])
+    sums: Floats = sum(left[..., block] @ right[..., block].transpose(0, 2, 1) for block in blocks)
+    return sums
 
 
 def _solve(normal: Floats, right: Floats) -> Floats:
