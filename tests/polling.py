@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-PATIENCE_S = 180.0
-"""Far longer than anything takes, on a machine that is busy with other things."""
+PATIENCE_S = 600.0
+"""Far longer than anything takes, also on a virtual machine whose busy host lets it stand still for some minutes."""
 
 T = TypeVar("T")
 

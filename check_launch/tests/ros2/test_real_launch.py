@@ -1,7 +1,7 @@
 """`roverlink check-launch` with the real packages launch and launch_ros, which PyPI does not have.
 
 The tests run if the environment variable ROVERLINK_LAUNCH_EXAMPLES names a folder with the checkouts that
-`tests/launch_check/test_upstream_examples.py` needs: the sources of both packages are among them.
+`check_launch/tests/test_upstream_examples.py` needs: the sources of both packages are among them.
 """
 
 from __future__ import annotations

@@ -172,5 +172,5 @@ def test_a_server_for_everybody_has_an_address_that_others_can_open() -> None:
         assert ask(server.port, "GET", "/state", Host=server.url.split("/")[2])[0] == 200
         sock = socket.create_connection(("127.0.0.1", server.port))
         begin = time.monotonic()
-    assert time.monotonic() - begin < PATIENCE_S / 10  # a silent browser is cut off only after 20 s
+    assert time.monotonic() - begin < 18  # a silent browser is cut off only after 20 s
     sock.close()
