@@ -165,7 +165,8 @@ def calibrated(others: list[Drive]) -> Noise:
     ahead, aside, turned, distance, turn, way, turning = np.hstack(motions)
     scale, turn_scale = (float(true @ found / (found @ found)) for true, found in ((ahead, distance), (turned, turn)))
     errors = (ahead - scale * distance, way), (aside, way), (turned - turn_scale * turn, way + turning)
-    motion = *(math.sqrt(missed @ missed / sizes.sum()) for missed, sizes in errors), scale, turn_scale
+    slip, side_slip, turn_noise = (math.sqrt(missed @ missed / sizes.sum()) for missed, sizes in errors)
+    motion = slip, side_slip, turn_noise, scale, turn_scale
     if not sightings:
         return Noise(*motion, lead=lead, fix_variance=_fix_variance(others))
     sighted = np.array(sightings)

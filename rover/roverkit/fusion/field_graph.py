@@ -12,15 +12,9 @@ other sightings are left out.
 The errors of the odometry (`slipping_motion`) are parts of each pose's variable, because they go on from
 one motion to the next one. So a motion of the graph is short, also while nothing is seen (`follow`).
 
-Errors of successive sightings of a landmark are alike: those of the calibration, of the side of the marker, of the
-light. How far they last is in no message. They are taken for a Gauss-Markov process over the way, with a correlation
-r = exp(-d / L) after the way d. The difference y - r x of a sighting y and the one before x is then independent of all
-before, and tells (1 - r) / (1 + r) = tanh(d / 2 L) of what an independent sighting tells about the place (Bayley and
-Hammersley, The effective number of independent observations in an autocorrelated time series, 1946). So the covariance
-of y is divided by this in the graph, but not in the gate. Sightings from nearly one place are not used. The graph grows
-with the way of the rover, by up to 4 poses a metre and 7 a radian, and as many for each landmark that is seen alone.
-
-Errors that last for the whole drive are in the covariance, but are not estimated (`lasting_errors`).
+Errors of sightings that last are in the covariance, but are not estimated (`lasting_errors`). Sightings from nearly one
+place have the same errors, and are not used. The graph grows with the way of the rover, by up to 4 poses a metre and 7
+a radian, and as many for each landmark that is seen alone.
 """
 
 from __future__ import annotations
@@ -43,13 +37,11 @@ from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, adjoint, rot
 from roverkit.fusion.slipping_motion import ERRORS, pose_of, state_of
 from roverkit.gating import Reasons, RecentInnovations, gate_limit
 
-_ALIKE_M = 0.5
-_ALIKE_RAD = 0.3
-"""Distance, or turn of the rover, over which the errors of sightings of a landmark are alike (L)."""
-_NEW = 0.5
-"""Way since the last sighting of a landmark, in these units, from which another one is used.
+_ALIKE_M = 0.25
+_ALIKE_RAD = 0.15
+"""Distance, or turn of the rover, below which sightings of a landmark have the same errors.
 
-It is also the longest way of a motion of the graph: a turn bends the way of later errors of the yaw.
+It is also the longest motion of the graph: a turn bends the way on which later errors of the yaw act.
 """
 _GPS_APART_M = 1.0
 """Least distance between two GPS positions: the errors of successive ones are nearly the same."""
@@ -83,8 +75,6 @@ class _Sighting(NamedTuple):
     key: int
     point: OdometryPoint
     place: PlanarGaussian
-    news: float
-    """Share of the information of an independent sighting that this one gives about the landmark."""
 
 
 class _Misfit(NamedTuple):
@@ -192,8 +182,7 @@ class FieldGraph(Generic[T]):
 
         Does nothing if the image is older than the last one, shows nothing new, or shows no surveyed landmark.
         """
-        news = {landmark: self._news(landmark, point) for landmark in detections}
-        detections = {landmark: place for landmark, place in detections.items() if news[landmark]}
+        detections = {landmark: place for landmark, place in detections.items() if self._is_new(landmark, point)}
         if not detections:
             return
         self._used.update(dict.fromkeys(detections, point))
@@ -216,7 +205,7 @@ class FieldGraph(Generic[T]):
         key = self._add_pose(point, start, values)
         grown = False
         for landmark, place in detections.items():
-            sighting, sight = _Sighting(key, point, place, news[landmark]), expected @ place
+            sighting, sight = _Sighting(key, point, place), expected @ place
             if self._fits(landmark, sight, 3 if place.covariance[2, 2] < _ANY_YAW else 2):
                 self._strange.pop(landmark, None)
                 if landmark in self._trusted:
@@ -224,7 +213,7 @@ class FieldGraph(Generic[T]):
                 if landmark not in self._keys:
                     self._add_landmark(landmark, predicted.pose @ place.pose, values)
                 sightings = [sighting]
-                spread = PASSING * place.covariance / sighting.news + self._surveyed[landmark].covariance
+                spread = PASSING * place.covariance + self._surveyed[landmark].covariance
                 by_pose = -adjoint(place.pose.inverse())
                 prior, self._lasting = corrected(prior, self._lasting, by_pose, spread, lasting_error(place))
             elif self._is_other(landmark, sight):
@@ -238,7 +227,7 @@ class FieldGraph(Generic[T]):
                 continue
             self._seen[landmark] += len(sightings)
             for one in sightings:
-                noise = _robust(one.place.covariance / one.news, PASSING)
+                noise = _robust(one.place.covariance, PASSING)
                 factors.add(detection_factor(one.key, self._keys[landmark], one.place.pose, noise))
             # Each doubling of what is known about a landmark is a reason to ask again.
             grown |= _is_power_of_two(self._seen[landmark])
@@ -348,20 +337,18 @@ class FieldGraph(Generic[T]):
 
     def follow(self, point: OdometryPoint) -> None:
         """Add a pose on the way if the last one is far behind; inputs that are older are not used from now on."""
-        if self._last is None or point.stamp <= self._last.stamp or _way(self._last, point) < _NEW:
+        if self._last is None or point.stamp <= self._last.stamp or not _is_apart(self._last, point):
             return
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         self._add_pose(point, self._follow(point, factors), values)
         self._solve(factors, values)
 
-    def _news(self, landmark: T, point: OdometryPoint) -> float:
-        """Return what a sighting at a point of the odometry tells, as a part of an independent one; 0 for nothing."""
+    def _is_new(self, landmark: T, point: OdometryPoint) -> bool:
+        """Return true if a sighting at a point of the odometry tells something new about a surveyed landmark."""
         if landmark not in self._surveyed or (self._last is not None and point.stamp <= self._last.stamp):
-            return 0.0
-        if (used := self._used.get(landmark)) is None:
-            return 1.0
-        way = _way(used, point)
-        return math.tanh(way / 2) if way >= _NEW else 0.0
+            return False
+        used = self._used.get(landmark)
+        return used is None or _is_apart(used, point)
 
     def _follow(self, point: OdometryPoint, factors: Any) -> Floats:
         """Add the motion since the last pose to the factors, and return the state that follows from it."""
@@ -441,10 +428,10 @@ def _solver() -> Any:
     return gtsam.ISAM2(parameters)
 
 
-def _way(before: OdometryPoint, after: OdometryPoint) -> float:
-    """Return the distance or the turn between two points of the odometry, in the units of `_NEW`."""
+def _is_apart(before: OdometryPoint, after: OdometryPoint) -> bool:
+    """Return true if the rover has moved or turned so far that errors of sightings are others."""
     turn = abs(math.remainder(after.pose.yaw - before.pose.yaw, 2 * math.pi))
-    return max(after.pose.distance_to(before.pose) / _ALIKE_M, turn / _ALIKE_RAD)
+    return after.pose.distance_to(before.pose) >= _ALIKE_M or turn >= _ALIKE_RAD
 
 
 def _robust(covariance: Floats, passing: float = 1.0) -> Any:
