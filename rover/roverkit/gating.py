@@ -6,13 +6,14 @@
    input whose square is exceeded with a probability below `FALSE_ALARM`.
 2. A refused input is counted. It is said when chance does not explain it: one input that is very unlikely, or several
    unlikely ones in a row. Such a case is said for the first, second, fourth, eighth... time.
-3. An estimator that gives no result says why after `PATIENCE_NS`.
+3. If the last innovations together are larger than their covariances say, all variances are too small by a factor.
+4. An estimator that gives no result says why after `PATIENCE_NS`.
 """
 
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable
 from functools import cache
 
@@ -22,6 +23,8 @@ FALSE_ALARM = 1e-3
 """Probability with which a gate refuses a right input."""
 _CHANCE = 1e-9
 """Probability of refused inputs in a row from which chance does not explain them: that of three of them."""
+_RECENT = 10
+"""Innovations that are looked at together."""
 PATIENCE_NS = 10_000_000_000
 """Time in nanoseconds without a result after which the reason is said."""
 
@@ -49,6 +52,35 @@ def gate_limit(freedom: int) -> float:
         middle = (low + high) / 2
         low, high = (middle, high) if chi_squared_tail(middle, freedom) > FALSE_ALARM else (low, middle)
     return high
+
+
+class RecentInnovations:
+    """Last innovations of an estimator. Each counts up to the limit of the gate: one alone never tells much."""
+
+    def __init__(self) -> None:
+        """Begin without an innovation."""
+        self._found = deque[tuple[float, int]](maxlen=_RECENT)
+
+    def add(self, squared: float, freedom: int) -> None:
+        """Add a normalized squared innovation with some degrees of freedom."""
+        self._found.append((min(squared, gate_limit(freedom)), freedom))
+
+    @property
+    def probability(self) -> float:
+        """Probability of the last innovations by chance; 1 before there are enough."""
+        squared, freedom = map(sum, zip(*self._found)) if len(self._found) == _RECENT else (0.0, 0)
+        return chi_squared_tail(squared, freedom)
+
+    @property
+    def variance_factor(self) -> float:
+        """Factor by which all variances are too small, at least 1: the variance of unit weight.
+
+        The variances are believed as if one more innovation had confirmed them. Source: Koch, Parameter Estimation and
+        Hypothesis Testing in Linear Models, 1999, section 3.2.
+        """
+        believed = max((freedom for _, freedom in self._found), default=1)
+        squared, freedom = map(sum, zip(*self._found, (believed, believed)))
+        return max(1.0, squared / freedom)
 
 
 class Reasons:

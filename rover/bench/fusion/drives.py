@@ -24,8 +24,8 @@ Floats = NDArray[np.float64]
 
 PERIOD_S = 0.1
 """Time between two messages of odometry."""
-_WINDOW_S = 20.0
-"""Time over which motions are compared with the truth: errors of turns are alike for many seconds."""
+_WINDOW = 200
+"""Messages of odometry in 20 s, over which motions are compared with the truth: errors are alike for many seconds."""
 _SHORT = 10
 """Messages of odometry in one second: longer than any lead."""
 _LASTING = 50
@@ -119,6 +119,17 @@ class Drive:
         times, *axes = self._truth
         return np.array([np.interp(time, times, axis) for axis in axes])
 
+    @property
+    def true_steps(self) -> Floats:
+        """True motions (3, n) ahead, to the left and of the yaw between the times of odometry.
+
+        They are in the axes of the middle of each motion, so that an error of the yaw is not one of the position.
+        """
+        times, *axes = self._truth
+        x, y, turn = np.diff([np.interp(self.times, times, axis) for axis in axes])
+        yaw = np.interp(self.times[:-1], times, axes[2]) + turn / 2
+        return np.array([np.cos(yaw) * x + np.sin(yaw) * y, np.cos(yaw) * y - np.sin(yaw) * x, turn])
+
     def timed(self, delay: float, lead: float) -> Drive:
         """Return the drive with stamps of the sightings and of the odometry that are those of the motion."""
         sightings = {time - delay: seen for time, seen in self.sightings.items()}
@@ -141,28 +152,21 @@ def calibrated(others: list[Drive]) -> Noise:
     motions, sightings, lead = [], [], _lead(others)
     others = [drive.timed(0.0, lead) for drive in others]
     for drive in others:
-        for since in np.arange(drive.start, drive.times[-1] - _WINDOW_S, _WINDOW_S):
-            pose = np.zeros(3)
-            way = np.zeros(2)
-            for time in np.arange(since, since + _WINDOW_S - PERIOD_S / 2, PERIOD_S):
-                step = drive.motion(time, time + PERIOD_S)
-                pose = moved(pose, *step)
-                way += abs(step)
-            motions.append([*apart(drive.true_pose(since), drive.true_pose(since + _WINDOW_S)), *pose, *way])
+        steps = drive.true_steps
+        steps = steps[:, : len(steps.T) // _WINDOW * _WINDOW]
+        by_odometry = drive.motion(drive.times[:-1], drive.times[1:])[:, : len(steps.T)]
+        motions += [np.vstack([steps, by_odometry, abs(by_odometry)]).reshape(7, -1, _WINDOW).sum(axis=2)]
         for time, seen in drive.sightings.items():
             rate = drive.motion(time - PERIOD_S, time + PERIOD_S)[1] / (2 * PERIOD_S)
             for landmark, (depth, bearing) in seen.items():
                 distance, angle = range_bearing(drive.true_pose(time), drive.landmarks[landmark])
                 beside = math.remainder(bearing - angle, 2 * math.pi)
                 sightings.append([depth / distance, math.cos(angle), math.sin(angle), 1 / distance, beside, rate])
-    table = np.array(motions)
-    true, by_odometry, (way, turn) = table[:, :3], table[:, 3:6], table[:, 6:].T
-    squares = (by_odometry**2).sum(axis=0)
-    scale, _, turn_scale = ((true * by_odometry).sum(axis=0) / squares).tolist()
-    missed = true - by_odometry * [scale, 1, turn_scale]
-    along, side, turned = (missed**2).sum(axis=0).tolist()
-    ways, whole = way.sum(), (way + turn).sum()
-    motion = math.sqrt(along / ways), math.sqrt(side / ways), math.sqrt(turned / whole), scale, turn_scale
+    ahead, aside, turned, distance, turn, way, turning = np.hstack(motions)
+    scale, turn_scale = (float(true @ found / (found @ found)) for true, found in ((ahead, distance), (turned, turn)))
+    errors = (ahead - scale * distance, way), (aside, way), (turned - turn_scale * turn, way + turning)
+    slip, side_slip, turn_noise = (math.sqrt(missed @ missed / sizes.sum()) for missed, sizes in errors)
+    motion = slip, side_slip, turn_noise, scale, turn_scale
     if not sightings:
         return Noise(*motion, lead=lead, fix_variance=_fix_variance(others))
     sighted = np.array(sightings)

@@ -1,6 +1,6 @@
 """Factors of the graph between states of the rover and landmarks, and their derivatives.
 
-A state is a vector (7,): x, y and yaw on the field, and the errors of the odometry (`slipping_motion`). It is one
+A state is a vector (5,): x, y and yaw on the field, and the errors of the odometry (`slipping_motion`). It is one
 variable, because the versions of GTSAM for Python 3.10 give no joint covariance of two variables.
 """
 

@@ -12,19 +12,15 @@ other sightings are left out.
 The errors of the odometry (`slipping_motion`) are parts of each pose's variable, because they go on from
 one motion to the next one. So a motion of the graph is short, also while nothing is seen (`follow`).
 
-Errors of successive sightings of a landmark are alike: those of the calibration, of the side of the marker, of the
-light. How far they last is in no message. They are taken for a Gauss-Markov process over the way, with a correlation
-r = exp(-d / L) after the way d. The difference y - r x of a sighting y and the one before x is then independent of all
-before, and tells (1 - r) / (1 + r) = tanh(d / 2 L) of what an independent sighting tells about the place (Bayley and
-Hammersley, The effective number of independent observations in an autocorrelated time series, 1946). So the covariance
-of y is divided by this in the graph, but not in the gate. Sightings from nearly one place are not used. The graph grows
-with the distance that the rover drives, by a pose a metre, and by up to 5 for each landmark that is seen alone.
+Errors of sightings that last are in the covariance, but are not estimated (`lasting_errors`). Sightings from nearly one
+place have the same errors, and are not used. The graph grows with the way of the rover, by up to 4 poses a metre and 7
+a radian, and as many for each landmark that is seen alone.
 """
 
 from __future__ import annotations
 
 import math
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Mapping
 from statistics import median
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -35,26 +31,26 @@ from roverkit.driving.arcs import PlanarPose
 from roverkit.fusion.field_factors import detection_factor, motion_factor, pose2, state_factor
 from roverkit.fusion.gtsam_library import gtsam
 from roverkit.fusion.landmark_agreement import agreeing
+from roverkit.fusion.lasting_errors import PASSING, UNKNOWN, corrected, lasting_error
 from roverkit.fusion.odometry_track import OdometryPoint
-from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, squared_distance, squared_way
+from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, adjoint, rotation, squared_distance, squared_way
 from roverkit.fusion.slipping_motion import ERRORS, pose_of, state_of
-from roverkit.gating import Reasons, chi_squared_tail, gate_limit
+from roverkit.gating import Reasons, RecentInnovations, gate_limit
 
-_ALIKE_M = 0.5
-_ALIKE_RAD = 0.3
-"""Distance, or turn of the rover, over which the errors of sightings of a landmark are alike (L)."""
-_NEW = 0.5
-"""Way since the last sighting of a landmark, in these units, from which another one is used."""
+_ALIKE_M = 0.25
+_ALIKE_RAD = 0.15
+"""Distance, or turn of the rover, below which sightings of a landmark have the same errors.
+
+It is also the longest motion of the graph: a turn bends the way on which later errors of the yaw act.
+"""
 _GPS_APART_M = 1.0
 """Least distance between two GPS positions: the errors of successive ones are nearly the same."""
-_STEP_M = 1.0
-"""Distance on the way to the next input after which the graph gets a pose."""
 _SEVERAL = 3
 """Sightings that must agree with each other before they contradict what is known about a landmark."""
-_RECENT = 10
-"""Sightings of which the sum of the squared innovations is compared with chance."""
 _UNLIKELY = 1e-5
-"""Probability of this sum from which chance does not explain it: there is a sum for each sighting of a long drive."""
+"""Probability of the last innovations from which chance does not explain them: a long drive has many sightings."""
+_ANY_YAW = math.pi**2 / 3
+"""Variance of a direction that may be any. A larger one in a sighting says that nobody has measured the direction."""
 CAUSES = (
     "the wheels slip more than `slip` says, the rover was pushed, the gyroscope has another bias or scale, or the "
     "mount of a camera is wrong"
@@ -79,8 +75,6 @@ class _Sighting(NamedTuple):
     key: int
     point: OdometryPoint
     place: PlanarGaussian
-    news: float
-    """Share of the information of an independent sighting that this one gives about the landmark."""
 
 
 class _Misfit(NamedTuple):
@@ -109,13 +103,15 @@ class FieldGraph(Generic[T]):
         self._seen: Counter[T] = Counter()
         self._strange: dict[T, list[_Sighting]] = {}
         self._misfits: dict[T, list[_Misfit]] = {}
-        self._recent = deque[float](maxlen=_RECENT)
-        """Squared innovations of the last sightings, up to the limit of the gate: one alone never counts for much."""
+        self._recent = RecentInnovations()
+        self._is_unlikely = False
         self._last: OdometryPoint | None = None
         self._last_seen: frozenset[T] = frozenset()
         self._used: dict[T, OdometryPoint] = {}
         self._last_gps: OdometryPoint | None = None
         self._poses = 0
+        self._lasting = np.zeros((3, 3))
+        """Derivative of the last pose, in its axes, by the errors of sightings that last."""
 
     @property
     def moved(self) -> Mapping[T, float]:
@@ -176,15 +172,17 @@ class FieldGraph(Generic[T]):
         One landmark is enough if the survey has only one or two. The point must not be older than the last image that
         was added.
         """
-        return None if self.unknown else self._predicted(point)
+        if self.unknown:
+            return None
+        expected = self._expected(point)
+        return PlanarGaussian(expected.pose, self._recent.variance_factor * expected.covariance)
 
     def see(self, detections: Mapping[T, PlanarGaussian], point: OdometryPoint) -> None:
         """Add an image: the places of landmarks in the frame of the rover, and the odometry at its time.
 
         Does nothing if the image is older than the last one, shows nothing new, or shows no surveyed landmark.
         """
-        news = {landmark: self._news(landmark, point) for landmark in detections}
-        detections = {landmark: place for landmark, place in detections.items() if news[landmark]}
+        detections = {landmark: place for landmark, place in detections.items() if self._is_new(landmark, point)}
         if not detections:
             return
         self._used.update(dict.fromkeys(detections, point))
@@ -193,26 +191,31 @@ class FieldGraph(Generic[T]):
             # The landmark that is seen best is believed until others contradict.
             best = min(detections, key=lambda landmark: float(np.trace(detections[landmark].covariance)))
             self._trusted = frozenset({best})
-            predicted = self._supposed or self._surveyed[best] @ detections[best].inverse()
+            predicted = expected = self._supposed or self._surveyed[best] @ detections[best].inverse()
+            prior = self._supposed.covariance if self._supposed else UNKNOWN
             start = state_of(predicted.pose, np.zeros(ERRORS))
             factors.add(state_factor(first := gtsam.symbol("x", 0), 3, start[3:], _ANY_ERRORS))
             if self._supposed:
                 noise = gtsam.noiseModel.Gaussian.Covariance(self._supposed.outer_covariance)
                 factors.add(state_factor(first, 0, start[:3], noise))
         else:
-            predicted = self._predicted(point)
+            predicted, expected = self._predicted(point), self._expected(point)
+            prior = predicted.covariance
             start = self._follow(point, factors)
         key = self._add_pose(point, start, values)
         grown = False
         for landmark, place in detections.items():
-            sighting, sight = _Sighting(key, point, place, news[landmark]), predicted @ place
-            if self._fits(landmark, sight):
+            sighting, sight = _Sighting(key, point, place), expected @ place
+            if self._fits(landmark, sight, 3 if place.covariance[2, 2] < _ANY_YAW else 2):
                 self._strange.pop(landmark, None)
                 if landmark in self._trusted:
                     self._misfits.clear()
                 if landmark not in self._keys:
                     self._add_landmark(landmark, predicted.pose @ place.pose, values)
                 sightings = [sighting]
+                spread = PASSING * place.covariance + self._surveyed[landmark].covariance
+                by_pose = -adjoint(place.pose.inverse())
+                prior, self._lasting = corrected(prior, self._lasting, by_pose, spread, lasting_error(place))
             elif self._is_other(landmark, sight):
                 continue
             elif len(sightings := self._agreeing(landmark, sighting, sight)) >= _SEVERAL:
@@ -224,7 +227,7 @@ class FieldGraph(Generic[T]):
                 continue
             self._seen[landmark] += len(sightings)
             for one in sightings:
-                noise = _robust(one.place.covariance / one.news)
+                noise = _robust(one.place.covariance, PASSING)
                 factors.add(detection_factor(one.key, self._keys[landmark], one.place.pose, noise))
             # Each doubling of what is known about a landmark is a reason to ask again.
             grown |= _is_power_of_two(self._seen[landmark])
@@ -247,24 +250,21 @@ class FieldGraph(Generic[T]):
         others = (self._known(other) for other in self._trusted & self._keys.keys() if other != landmark)
         return any(squared_way(other, sight) < gate_limit(2) for other in others)
 
-    def _fits(self, landmark: T, sight: PlanarGaussian) -> bool:
+    def _fits(self, landmark: T, sight: PlanarGaussian, freedom: int) -> bool:
         """Return true if a place on the field by a sighting is that of the landmark."""
         known = self._known(landmark)
         squared = squared_distance(known, sight)
-        self._watch(squared)
-        return self._reasons.passes(
+        fits = self._reasons.passes(
             f"sighting of landmark {landmark} left out: its number may be wrong, or it or the rover was moved",
-            squared,
-            3,
+            squared / self._recent.variance_factor,
+            freedom,
             f"it is {known.pose.distance_to(sight.pose):.2f} m beside its place",
         )
-
-    def _watch(self, squared: float) -> None:
-        """Say so if the last sightings together are further beside their places than chance allows."""
-        self._recent.append(min(squared, gate_limit(3)))
-        if len(self._recent) == _RECENT and chi_squared_tail(sum(self._recent), 3 * _RECENT) < _UNLIKELY:
+        self._recent.add(squared, freedom)
+        was_unlikely, self._is_unlikely = self._is_unlikely, self._recent.probability < _UNLIKELY
+        if self._is_unlikely and not was_unlikely:
             self._reasons.tell(f"the last sightings fit worse than chance allows: {CAUSES}")
-            self._recent.clear()
+        return fits
 
     def _agreeing(self, landmark: T, sighting: _Sighting, sight: PlanarGaussian) -> list[_Sighting]:
         """Return the sightings that do not fit what is known, and that agree with the last one by the odometry.
@@ -296,6 +296,17 @@ class FieldGraph(Generic[T]):
         state, covariance = self._solver.calculateEstimateVector(last), self._solver.marginalCovariance(last)
         return self._last.motion_to(point).pose_after(state, covariance)
 
+    def _expected(self, point: OdometryPoint) -> PlanarGaussian:
+        """Return the pose at the time of a point of the odometry with the errors of sightings that last."""
+        predicted, lasting = self._predicted(point), self._carried(point)
+        return PlanarGaussian(predicted.pose, predicted.covariance + lasting @ lasting.T)
+
+    def _carried(self, point: OdometryPoint) -> Floats:
+        """Return the derivative of the pose at a point of the odometry by the errors that last."""
+        assert self._last is not None  # noqa: S101  # callers have checked it
+        carried: Floats = adjoint(point.pose.inverse() @ self._last.pose) @ self._lasting
+        return carried
+
     def locate(self, position: Floats, covariance: Floats, point: OdometryPoint) -> None:
         """Add a GPS position (2,) on the field in metres, with its covariance (2, 2) in the axes of the field.
 
@@ -306,9 +317,9 @@ class FieldGraph(Generic[T]):
             return
         if self._last_gps is not None and self._last_gps.pose.distance_to(point.pose) < _GPS_APART_M:
             return
-        predicted = self._predicted(point)
-        missed = position - (predicted.pose.x, predicted.pose.y)
-        spread = predicted.outer_covariance[:2, :2] + covariance
+        prior, expected = self._predicted(point).covariance, self._expected(point)
+        missed = position - (expected.pose.x, expected.pose.y)
+        spread = self._recent.variance_factor * expected.outer_covariance[:2, :2] + covariance
         if not self._reasons.passes(
             "GPS position left out: it does not fit the pose",
             float(missed @ np.linalg.solve(spread, missed)),
@@ -319,26 +330,25 @@ class FieldGraph(Generic[T]):
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         key = self._add_pose(point, self._follow(point, factors), values)
         factors.add(state_factor(key, 0, position, _robust(covariance)))
+        by_pose = rotation(expected.pose.yaw)[:2]
+        _, self._lasting = corrected(prior, self._lasting, by_pose, covariance, np.zeros((2, 3)))
         self._last_gps = point
         self._solve(factors, values)
 
     def follow(self, point: OdometryPoint) -> None:
         """Add a pose on the way if the last one is far behind; inputs that are older are not used from now on."""
-        if self._last is None or point.stamp <= self._last.stamp or point.rolled - self._last.rolled < _STEP_M:
+        if self._last is None or point.stamp <= self._last.stamp or not _is_apart(self._last, point):
             return
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         self._add_pose(point, self._follow(point, factors), values)
         self._solve(factors, values)
 
-    def _news(self, landmark: T, point: OdometryPoint) -> float:
-        """Return what a sighting at a point of the odometry tells, as a part of an independent one; 0 for nothing."""
+    def _is_new(self, landmark: T, point: OdometryPoint) -> bool:
+        """Return true if a sighting at a point of the odometry tells something new about a surveyed landmark."""
         if landmark not in self._surveyed or (self._last is not None and point.stamp <= self._last.stamp):
-            return 0.0
-        if (used := self._used.get(landmark)) is None:
-            return 1.0
-        turn = abs(math.remainder(point.pose.yaw - used.pose.yaw, 2 * math.pi))
-        way = max(point.pose.distance_to(used.pose) / _ALIKE_M, turn / _ALIKE_RAD)
-        return math.tanh(way / 2) if way >= _NEW else 0.0
+            return False
+        used = self._used.get(landmark)
+        return used is None or _is_apart(used, point)
 
     def _follow(self, point: OdometryPoint, factors: Any) -> Floats:
         """Add the motion since the last pose to the factors, and return the state that follows from it."""
@@ -351,6 +361,8 @@ class FieldGraph(Generic[T]):
     def _add_pose(self, point: OdometryPoint, start: Floats, values: Any) -> int:
         key: int = gtsam.symbol("x", self._poses)
         values.insert(key, start)
+        if self._last is not None:
+            self._lasting = self._carried(point)
         self._last = point
         self._poses += 1
         return key
@@ -416,12 +428,19 @@ def _solver() -> Any:
     return gtsam.ISAM2(parameters)
 
 
-def _robust(covariance: Floats) -> Any:
+def _is_apart(before: OdometryPoint, after: OdometryPoint) -> bool:
+    """Return true if the rover has moved or turned so far that errors of sightings are others."""
+    turn = abs(math.remainder(after.pose.yaw - before.pose.yaw, 2 * math.pi))
+    return after.pose.distance_to(before.pose) >= _ALIKE_M or turn >= _ALIKE_RAD
+
+
+def _robust(covariance: Floats, passing: float = 1.0) -> Any:
     """Return the noise of an input: Gaussian up to the limit of the gate, beyond which the input counts less and less.
 
+    ``passing`` is the part of the covariance that is not the same in all inputs.
     Source: Agarwal and others, Robust Map Optimization using Dynamic Covariance Scaling, 2013.
     """
-    noise, limit = gtsam.noiseModel.Gaussian.Covariance(covariance), gate_limit(len(covariance))
+    noise, limit = gtsam.noiseModel.Gaussian.Covariance(passing * covariance), gate_limit(len(covariance)) / passing
     return gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.DCS.Create(limit), noise)
 
 

@@ -44,8 +44,6 @@ class OdometryPoint:
     """Covariance (3, 3) of the pose in the axes of that frame, as in the message."""
     yaw_rate_variance: float
     """Variance of the angular velocity since the point before, in (rad/s)^2."""
-    rolled: float = 0.0
-    """Distance in metres that the rover has driven since the track began; the track sets it."""
     forgotten: float = 0.0
     """Negative logarithm of the correlation of the yaw's error with that of the track's begin; the track sets it."""
     slip: float = math.nan
@@ -74,7 +72,7 @@ class OdometryPoint:
             mean_slip = OdometryNoise().mean_slip
         before, after = (math.sqrt(max(point.covariance[2, 2], 0.0)) for point in (self, later))
         yaw = YawError(before, after, math.exp(self.forgotten - later.forgotten))
-        return slipping_motion(moved, slipped, later.rolled - self.rolled, yaw, mean_slip)
+        return slipping_motion(moved, slipped, yaw, mean_slip)
 
 
 def _growth(before: OdometryPoint, after: OdometryPoint) -> Floats:
@@ -129,7 +127,6 @@ class OdometryTrack:
             point = replace(
                 point,
                 slip=slip,
-                rolled=newest.rolled + distance,
                 forgotten=newest.forgotten - math.log(_correlation(newest, point)),
                 slipped=(
                     ahead + (0.0 if math.isnan(slip) else slip * distance),
@@ -163,7 +160,6 @@ class OdometryTrack:
             pose,
             before.covariance + part * (after.covariance - before.covariance),
             after.yaw_rate_variance,
-            before.rolled + part * (after.rolled - before.rolled),
             before.forgotten + part * (after.forgotten - before.forgotten),
             after.slip,
             tuple((1 - part) * np.array(before.slipped) + part * np.array(after.slipped)),
