@@ -661,6 +661,12 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "",
         ["hint LCH102"],
     ),
+    "a program of the robot": (
+        "import shutil\nfrom launch import LaunchDescription\ndef generate_launch_description():\n"
+        "    if not shutil.which('rover-maps'):\n        raise RuntimeError\n    return LaunchDescription()\n",
+        "",
+        [],
+    ),
     "a parameter above an unknown launch file": (
         "  - set_parameter: {name: a, value: 1}\n  - include: {file: $(find-pkg-share a_rover)/launch/a.launch.py}\n"
         "  - node: {pkg: rviz2, exec: rviz2}\n",
@@ -741,16 +747,19 @@ def test_a_misspelt_dependency_is_found_wherever_its_folder_is_used(write: Write
 
 
 def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
-    """Launch files that need more than is here, and files of unknown nodes, are counted."""
+    """Launch files that need more than is here, those of ROS 1, and files of unknown nodes are counted."""
     write(
         {
             "a.launch.py": "from a_package_of_the_robot import generate_launch_description\n",
             "b_launch.yaml": "launch:\n" + _node("my_rover", "driver", name="d"),
+            "c.launch": '<launch><node pkg="rviz" type="rviz" name="rviz"/></launch>',
+            "package.xml": "<package><buildtool_depend>catkin</buildtool_depend></package>",
             "p.yaml": _parameters("d", "speed: 1.0"),
         }
     )
     assert main(["check-launch", "."]) == 0
-    assert capsys.readouterr().out.endswith("1 of 2 launch files evaluated, 1 of 1 parameter file not checked.\n")
+    extent = "1 of 2 launch files evaluated, 1 launch file of ROS 1, 1 of 1 parameter file not checked.\n"
+    assert capsys.readouterr().out.endswith(extent)
 
 
 def test_a_launch_file_beside_a_parameter_file_says_which_node_reads_it(write: Write, check: Check) -> None:

@@ -7,6 +7,7 @@ import builtins
 import io
 import os
 import re
+import shutil
 import sys
 import traceback
 import warnings
@@ -27,7 +28,7 @@ from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 _FUNCTION = "generate_launch_description"
-_OPEN = open
+_OPEN, _FIND = open, shutil.which
 _RAISE = re.compile(r"(?:^|[:;]\s*)raise\b")
 
 
@@ -105,6 +106,7 @@ class PythonFile:
         sys.meta_path.append(finder)
         os.environ = self._environment  # type: ignore[assignment]  # noqa: B003  # what the system does not need
         exists, os.path.exists, os.path.isfile = (os.path.exists, os.path.isfile), _exists, _exists
+        which, shutil.which = shutil.which, _which  # type: ignore[assignment]
         opened = io.open
         builtins.open = io.open = self._opened  # `pathlib` takes the one of io
         try:
@@ -130,6 +132,7 @@ class PythonFile:
             self._missing |= finder.missing
             os.environ = environment  # noqa: B003
             os.path.exists, os.path.isfile = exists
+            shutil.which = which
             builtins.open = io.open = opened
             sys.meta_path.remove(finder)
             sys.path[:] = path
@@ -252,6 +255,11 @@ _REPLACED = frozenset({"launch", "launch_ros", "launch_xml", "launch_yaml", "nav
 def _exists(path: Any) -> bool:
     """Return true for a file, and for one of a package that is not here: it is not known to be absent."""
     return UNKNOWN_SHARE in str(path) or RUN_TIME in str(path) or os.access(path, os.F_OK)
+
+
+def _which(program: str, *arguments: Any, **options: Any) -> str:
+    """Return the path of a program; that of one that is not installed here is known on the rover's computer only."""
+    return _FIND(program, *arguments, **options) or RUN_TIME
 
 
 def _is_beside(module: Any, folder: Path) -> bool:
