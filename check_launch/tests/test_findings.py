@@ -524,6 +524,11 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "",
         ["error LCH103 did you mean 'name'?"],
     ),
+    "a keyword argument that nodes had": (
+        _PYTHON_NODE.replace("name='filter'", "node_name='filter'"),
+        "",
+        ["error LCH103 did you mean 'name'?"],
+    ),
     "a keyword argument that no declaration has": (
         _ACTIONS % "DeclareLaunchArgument('a', default='1')",
         "",
@@ -662,8 +667,9 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         ["hint LCH102"],
     ),
     "a program of the robot": (
-        "import shutil\nfrom launch import LaunchDescription\ndef generate_launch_description():\n"
-        "    if not shutil.which('rover-maps'):\n        raise RuntimeError\n    return LaunchDescription()\n",
+        "import shutil, subprocess\nfrom launch import LaunchDescription\ndef generate_launch_description():\n"
+        "    if not subprocess.check_output([shutil.which('rover-maps')]):\n        raise RuntimeError\n"
+        "    return LaunchDescription()\n",
         "",
         [],
     ),
