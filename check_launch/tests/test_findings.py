@@ -577,6 +577,11 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters("driver", "gains: [1, 0.5]"),
         ["hint LCH106", "error PAR103 write [1.0, 0.5]"],
     ),
+    "lists in lists and mappings in lists": (
+        _node("robot_localization", "ekf_node", name="ekf"),
+        _parameters("ekf", "frequency: [[30.0]]", "a: [{sensor_timeout: 1.0}]", "control_config: [[true], [true]]"),
+        ["error PAR103", "warning PAR101 did you mean 'sensor_timeout'?", "fatal LCH101", "warning PAR108"],
+    ),
     "a file without sections for a node in a container": (
         _ACTIONS % "LoadComposableNodes(target_container='c', composable_node_descriptions=[ComposableNode("
         "package='nav2_amcl', plugin='nav2_amcl::AmclNode', name='amcl', parameters=['p.yaml'])])",
