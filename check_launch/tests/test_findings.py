@@ -580,7 +580,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     "lists in lists and mappings in lists": (
         _node("robot_localization", "ekf_node", name="ekf"),
         _parameters("ekf", "frequency: [[30.0]]", "a: [{sensor_timeout: 1.0}]", "control_config: [[true], [true]]"),
-        ["error PAR103", "warning PAR101 did you mean 'sensor_timeout'?", "fatal LCH101", "warning PAR108"],
+        ["error PAR103", "warning PAR101 did you mean 'sensor_timeout'?", "error PAR103", "warning PAR108"],
     ),
     "a file without sections for a node in a container": (
         _ACTIONS % "LoadComposableNodes(target_container='c', composable_node_descriptions=[ComposableNode("

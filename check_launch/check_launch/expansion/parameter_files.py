@@ -137,10 +137,10 @@ def _without_node(root: yaml.Node | None, shown: str) -> Iterator[tuple[str, Spa
 
 
 def _refusals(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterator[tuple[str, Span]]:
-    """Yield messages and places of parameters without a value, and of lists that ROS 2 refuses for what is in them.
+    """Yield messages and places of parameters without a value, and of lists with mappings that ROS 2 refuses.
 
-    rcl_yaml_param_parser says ``No value at line``. After a list in a list it says ``Sequences cannot be key``. Of each
-    mapping in a list it takes only the first key for a key, and ``Sequence should be of same type`` holds for the rest.
+    rcl_yaml_param_parser says ``No value at line``. Of each mapping in a list, it takes only the first key for a key:
+    ``Sequence should be of same type`` holds for the rest.
     """
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
         if in_parameters and isinstance(value, yaml.ScalarNode) and value.value == "" and not value.style:
@@ -149,9 +149,8 @@ def _refusals(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterat
         pairs = [part.value for part in parts if isinstance(part, yaml.MappingNode)]
         words = [word for mapping in pairs for pair in mapping for word in pair if word is not mapping[0][0]]
         kinds = {type(value_of(word, str)) for word in words if isinstance(word, yaml.ScalarNode)}
-        if len(kinds) > 1 or any(isinstance(part, yaml.SequenceNode) for part in parts[:-1]):
-            message = f"'{key.value}' is a list of {'mappings' if kinds else 'several lists'}"
-            yield f"{message}, which ROS 2 does not read as a parameter", place_of(key, shown)
+        if len(kinds) > 1:
+            yield f"'{key.value}' is a list of mappings, which ROS 2 does not read as a parameter", place_of(key, shown)
         yield from _refusals(value, shown, in_parameters or key.value == KEY)
 
 
@@ -210,10 +209,11 @@ def _values(
 
 def value_of(node: yaml.Node, text_of: Callable[[str], str | None]) -> Any:
     """Return the value of a YAML node as ROS 2 types it; `UNKNOWN` if it is not known."""
-    if isinstance(node, yaml.SequenceNode) and node.value and isinstance(node.value[-1], yaml.SequenceNode):
-        return value_of(node.value[-1], text_of)  # rcl_yaml_param_parser forgets what stands before a list in a list
     if isinstance(node, yaml.SequenceNode):
         values = [value_of(item, text_of) for item in node.value]
+        lists = [value for value in values if isinstance(value, list)]
+        if lists and values[-1] is lists[0]:
+            return lists[0]  # rcl_yaml_param_parser forgets what stands before a list in a list
         return UNKNOWN if UNKNOWN in values else values
     if not isinstance(node, yaml.ScalarNode):
         return UNKNOWN

@@ -15,7 +15,7 @@ from check_launch.rules.stated_facts import stated_facts
 from check_launch.rules.system import RunningNode, System
 from roverlink.generator.diagnostics import Diagnostic, Span
 
-_KINDS = {bool: "truth values", int: "whole numbers", float: "floating point numbers"}
+_KINDS = {bool: "truth values", int: "whole numbers", float: "floating point numbers", list: "lists"}
 """Types of the items of a list, in messages."""
 _ENOUGH = 0.5
 """Share of a section's parameters that a node has to have, so that the section is that node's."""
@@ -193,9 +193,9 @@ def _of_file(section: Section, is_of_program: bool = True) -> Iterator[Diagnosti
             message = f"the parameter '{given.name}' stands again further down, and only the last one has an effect"
             yield RepeatedParameter.at(seen[given.name], message)
         seen[given.name] = given.place
-        # `Sequence should be of same type` of rcl_yaml_param_parser
+        # `Sequence should be of same type` and, after a list in a list, `Sequences cannot be key`: rcl_yaml_param_parser
         kinds = {type(item) for item in given.value} if is_of_program and isinstance(given.value, list) else set()
-        if len(kinds) > 1:
+        if len(kinds) > 1 or list in kinds:
             message = (
                 f"the list '{given.name}' contains {' and '.join(sorted(_KINDS.get(kind, 'texts') for kind in kinds))}"
             )
