@@ -645,6 +645,13 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters("camera", "video_device: /dev/video0"),
         ["hint LCH106"],
     ),
+    "two nodes of one name, each with an argument": (
+        "  - arg: {name: a, default: 'true'}\n  - arg: {name: b, default: 'false'}\n"
+        "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var a)}\n"
+        "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var b)}\n",
+        "",
+        [],
+    ),
     "an own plugin": (
         "",
         _parameters("behavior_server", "behavior_plugins: [b]", "b: {plugin: my_behaviors/BackUp}", "max_radius: 2.0"),

@@ -191,7 +191,7 @@ class Checker:
         for expanded, system in zip(expansions, systems, strict=True):
             varied = ((name, value) for name, value in expanded.arguments.items() if name not in arguments)
             chosen = " ".join(f"{name}:={'...' if value is None else value}" for name, value in varied)
-            for finding in self._of_expansion(expanded, system, variants, complete):
+            for finding in self._of_expansion(expanded, system, variants, complete, bool(chosen)):
                 if _key(finding) in known or (chosen and finding.severity is Severity.HINT):
                     continue
                 known.add(_key(finding))
@@ -200,7 +200,7 @@ class Checker:
                 )
 
     def _of_expansion(
-        self, expansion: Expansion, system: System, variants: Variants, complete: bool
+        self, expansion: Expansion, system: System, variants: Variants, complete: bool, is_varied: bool
     ) -> Iterator[Diagnostic]:
         yield from expansion.findings
         for name, place in expansion.undeclared:
@@ -219,7 +219,7 @@ class Checker:
         # Programs of this project may run beside the launch files of this project, not beside those of others.
         own = any(node.started.package in self._own for node in system.nodes)
         yield from topic_findings(system, variants, self._known if own else (), complete)
-        yield from frame_findings(system, complete)
+        yield from frame_findings(system, complete, is_varied)
 
 
 def _loaders(parameter_file: Path) -> Iterator[Path]:
