@@ -821,6 +821,20 @@ def test_a_display_that_shows_nothing_is_found_in_a_complete_system(write: Write
     assert check("a_launch.yaml", "--complete")[1] == ["a.rviz:3:58: TOP102 topics of this type: /goal_pose"]
 
 
+@pytest.mark.parametrize(("enabled", "rules"), [("true", ["TOP106"]), ("false", [])])
+def test_a_display_that_is_off_has_no_wrong_type(enabled: str, rules: list[str], write: Write, check: Check) -> None:
+    """A display that is switched off subscribes to nothing."""
+    display = "{Class: rviz_default_plugins/PoseArray, Enabled: %s, Topic: {Value: /odometry/filtered}}"
+    nodes = "  - node: {pkg: rviz2, exec: rviz2, args: -d $(dirname)/a.rviz}\n"
+    write(
+        {
+            "a_launch.yaml": "launch:\n  - node: {pkg: robot_localization, exec: ekf_node}\n" + nodes,
+            "a.rviz": f"Visualization Manager:\n  Displays:\n    - {display % enabled}\n",
+        }
+    )
+    assert [line.split()[1] for line in check("a_launch.yaml")[1]] == rules
+
+
 def test_a_parameter_file_is_checked_alone(write: Write, check: Check) -> None:
     """A parameter file that no launch file uses is checked by the names of its nodes, for the chosen distribution."""
     write({"nav2.yaml": _parameters("controller_server", "progress_checker_plugin: progress_checker")})
