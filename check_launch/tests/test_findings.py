@@ -519,31 +519,25 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         ["hint LCH102", "error LCH105 write 'True' with quotation marks"],
     ),
     "a misspelt package in a path": (_INCLUDE % ("rtabmap_lauch", "a.launch.py", ""), "", ["error LCH107"]),
-    "a keyword argument that no node has": (
-        _PYTHON_NODE.replace("name='filter'", "naem='filter'"),
+    "keyword arguments that no node has, and that nodes had": (
+        _PYTHON_NODE.replace("name='filter'", "naem='filter', node_name='filter'"),
         "",
-        ["error LCH103 did you mean 'name'?"],
+        ["error LCH103 did you mean 'name'?"] * 2,
     ),
     "a keyword argument that no declaration has": (
         _ACTIONS % "DeclareLaunchArgument('a', default='1')",
         "",
         ["error LCH103 did you mean 'default_value'?"],
     ),
-    "arguments of a launch file that are no pairs": (
-        _ACTIONS % "IncludeLaunchDescription('a.launch.py', launch_arguments={'a': '1'})",
-        "",
-        ["fatal LCH101"],
-    ),
-    "parameters that are no list": (
-        _ACTIONS % "Node(package='a', executable='b', parameters={})",
-        "",
-        ["fatal LCH101"],
-    ),
-    "a number as a word of a command line": (
-        _ACTIONS % "Node(package='a', executable='b', arguments=[0])",
-        "",
-        ["fatal LCH101"],
-    ),
+    **{
+        f"what launch refuses: {text}": (_ACTIONS % text, "", ["fatal LCH101"])
+        for text in (
+            "IncludeLaunchDescription('a.launch.py', launch_arguments={'a': '1'})",
+            "Node(package='a', executable='b', parameters={})",
+            "Node(package='a', executable='b', arguments=[0])",
+            "[Node(package='a', executable='b')]",
+        )
+    },
     "a condition that Python has compared": (
         _ACTIONS.replace("launch_ros.actions", "launch.conditions import *\nfrom launch_ros.actions", 1)
         % "Node(package='a', executable='b', condition=IfCondition('a' == 'b'))",
@@ -551,7 +545,6 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         ["fatal LCH101"],
     ),
     "a list in place of a description": ("def generate_launch_description():\n    return []\n", "", ["fatal LCH101"]),
-    "a list in place of an action": (_ACTIONS % "[Node(package='a', executable='b')]", "", ["fatal LCH101"]),
     "a name that ROS 2 refuses": (
         _node("rviz2", "rviz2", name="my-rviz", param=""),
         "",
@@ -571,6 +564,11 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _node("my_rover", "driver", name="driver"),
         _parameters("driver", "gains: [1, 0.5]"),
         ["hint LCH106", "error PAR103 write [1.0, 0.5]"],
+    ),
+    "lists in lists and mappings in lists": (
+        _node("robot_localization", "ekf_node", name="ekf"),
+        _parameters("ekf", "frequency: [[30.0]]", "a: [{sensor_timeout: 1.0}]", "control_config: [[true], [true]]"),
+        ["error PAR103", "warning PAR101 did you mean 'sensor_timeout'?", "error PAR103", "warning PAR108"],
     ),
     "a file without sections for a node in a container": (
         _ACTIONS % "LoadComposableNodes(target_container='c', composable_node_descriptions=[ComposableNode("
@@ -635,6 +633,13 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters("camera", "video_device: /dev/video0"),
         ["hint LCH106"],
     ),
+    "two nodes of one name, each with an argument": (
+        "  - arg: {name: a, default: 'true'}\n  - arg: {name: b, default: 'false'}\n"
+        "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var a)}\n"
+        "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var b)}\n",
+        "",
+        [],
+    ),
     "an own plugin": (
         "",
         _parameters("behavior_server", "behavior_plugins: [b]", "b: {plugin: my_behaviors/BackUp}", "max_radius: 2.0"),
@@ -660,6 +665,13 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _node("robot_localization", "ekf_node", param="[{from: /etc/rover/ekf.yaml}]"),
         "",
         ["hint LCH102"],
+    ),
+    "a program of the robot": (
+        "import shutil, subprocess\nfrom launch import LaunchDescription\ndef generate_launch_description():\n"
+        "    if not subprocess.check_output([shutil.which('rover-maps')]):\n        raise RuntimeError\n"
+        "    return LaunchDescription()\n",
+        "",
+        [],
     ),
     "a parameter above an unknown launch file": (
         "  - set_parameter: {name: a, value: 1}\n  - include: {file: $(find-pkg-share a_rover)/launch/a.launch.py}\n"
@@ -741,16 +753,19 @@ def test_a_misspelt_dependency_is_found_wherever_its_folder_is_used(write: Write
 
 
 def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
-    """Launch files that need more than is here, and files of unknown nodes, are counted."""
+    """Launch files that need more than is here, those of ROS 1, and files of unknown nodes are counted."""
     write(
         {
             "a.launch.py": "from a_package_of_the_robot import generate_launch_description\n",
             "b_launch.yaml": "launch:\n" + _node("my_rover", "driver", name="d"),
+            "c.launch": '<launch><node pkg="rviz" type="rviz" name="rviz"/></launch>',
+            "package.xml": "<package><buildtool_depend>catkin</buildtool_depend></package>",
             "p.yaml": _parameters("d", "speed: 1.0"),
         }
     )
     assert main(["check-launch", "."]) == 0
-    assert capsys.readouterr().out.endswith("1 of 2 launch files evaluated, 1 of 1 parameter file not checked.\n")
+    extent = "1 of 2 launch files evaluated, 1 launch file of ROS 1, 1 of 1 parameter file not checked.\n"
+    assert capsys.readouterr().out.endswith(extent)
 
 
 def test_a_launch_file_beside_a_parameter_file_says_which_node_reads_it(write: Write, check: Check) -> None:
@@ -780,16 +795,21 @@ def test_a_launch_file_that_starts_everything_has_no_loose_ends(write: Write, ch
 
 
 def test_a_display_that_shows_nothing_is_found_in_a_complete_system(write: Write, check: Check) -> None:
-    """If everything is started, displays of RViz need publishers. Updates of a map and unused tools do not count."""
+    """If everything is started, displays of RViz need publishers. Updates of a map and unused tools do not count.
+
+    A display that is switched off subscribes to nothing, so that no type is wrong for it.
+    """
     display = "    - {Class: rviz_default_plugins/%s, Topic: {Value: /%s}}\n"
+    poses = display % ("PoseArray, Enabled: false", "odometry/filtered")
     updates = "    - {Class: rviz_default_plugins/Map, Update Topic: {Value: /map_updates}}\n"
-    shown = display % ("Image", "image") + updates + "  Tools:\n" + display % ("SetGoal", "goal_pose")
-    write(
-        {
-            "a_launch.yaml": "launch:\n  - node: {pkg: rviz2, exec: rviz2, args: -d $(dirname)/a.rviz}\n",
-            "a.rviz": f"Visualization Manager:\n  Displays:\n{shown}",
-        }
+    shown = display % ("Image", "image") + updates + poses + "  Tools:\n" + display % ("SetGoal", "goal_pose")
+    nodes = "  - node: {pkg: rviz2, exec: rviz2, args: -d $(dirname)/a.rviz}\n" + _node(
+        "robot_localization", "ekf_node"
     )
+    config = f"Visualization Manager:\n  Displays:\n{shown}"
+    write({"a_launch.yaml": f"launch:\n{nodes}", "p.yaml": "{}", "a.rviz": config.replace("false", "true")})
+    assert check("a_launch.yaml")[1] == ["a.rviz:5:77: TOP106"]
+    write({"a.rviz": config})
     assert check("a_launch.yaml") == (0, [])
     assert check("a_launch.yaml", "--complete")[1] == ["a.rviz:3:58: TOP102 topics of this type: /goal_pose"]
 

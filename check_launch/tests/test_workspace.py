@@ -87,11 +87,11 @@ from launch import LaunchDescription
 from launch.actions.declare_launch_argument import DeclareLaunchArgument
 from launch_ros.actions import Node
 from lifecycle_msgs.msg import Transition
-import xacro
+import ament_index_python, os, xacro
 def generate_launch_description():
-    robot = xacro.process_file('robot.xacro').toxml()
+    robot, prefixes = xacro.process_file('').toxml(), map(os.path.basename, ament_index_python.get_search_paths())
     return LaunchDescription([
-        Node(package='arm', executable=EXECUTABLE),
+        *[Node(package='arm', executable=EXECUTABLE) for _ in {'arm'}.intersection(prefixes)],
         Node(package='arm', executable='driver', parameters=[{'rte': 5.0}, {'joint.names': ['c']}, {'topic': 'a'}]),
         Node(package='arm', executable='other', parameters=[{'anything': 5.0}, {'a', 'b'}]),
         Node(package='base', executable='wheels', parameters=[{'radius': 5.0}, {'radus': 0.2}, {'width': 1}]),

@@ -165,6 +165,8 @@ class Expansion:
     """Paths of the launch files that were expanded to their end."""
     unevaluated: set[str] = field(default_factory=set)
     """Paths of launch files whose actions are not known, or not all of them."""
+    of_ros1: set[str] = field(default_factory=set)
+    """Paths of launch files that only ROS 1 reads."""
 
 
 class Expander:
@@ -339,7 +341,7 @@ class _Run:
             self.result.unevaluated.add(path)
             return [], [NotExpanded.at(error.place, str(error))]
         except OfRos1Error as error:
-            self.result.unevaluated.add(path)
+            self.result.of_ros1.add(path)
             message = f"this is a launch file of ROS 1, with '{error}'; `ros2 launch` refuses it"
             finding = UnknownAction.at(error.place, message, _FROM_ROS1)
             is_meant = "catkin" in self.context.packages.dependencies(path)
@@ -523,9 +525,8 @@ class _Run:
             )
             return
         missing = package_of_share(path)
-        is_complete = (
-            len(self.result.findings) == findings and path not in self.result.unevaluated and self._skips == skips
-        )
+        unread = self.result.unevaluated | self.result.of_ros1
+        is_complete = len(self.result.findings) == findings and path not in unread and self._skips == skips
         for name, _, place in action.arguments:
             text = self._text(name)
             if (

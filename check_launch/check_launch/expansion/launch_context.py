@@ -45,6 +45,10 @@ class Packages:
                 return str(folder)
         return f"{UNKNOWN_SHARE}{package}"
 
+    def prefixes(self) -> list[str]:
+        """Return a folder with the name of each package of the source trees, as AMENT_PREFIX_PATH has after colcon."""
+        return [str(folder.with_name(name)) for name, folder in self.folders.items()]
+
     def prefer(self, path: Path) -> None:
         """Take the folders that are the nearest to a launch file for packages that are there in several versions."""
         for name, folders in self.copies.items():

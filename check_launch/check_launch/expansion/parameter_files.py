@@ -137,14 +137,19 @@ def _without_node(root: yaml.Node | None, shown: str) -> Iterator[tuple[str, Spa
 
 
 def _refusals(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterator[tuple[str, Span]]:
-    """Yield messages and places of parameters without a value, and of lists with mappings in them.
+    """Yield messages and places of parameters without a value, and of lists with mappings that ROS 2 refuses.
 
-    rcl_yaml_param_parser says ``No value at line`` and ``Sequences can only be values and not keys``.
+    rcl_yaml_param_parser says ``No value at line``. Of each mapping in a list, it takes only the first key for a key:
+    ``Sequence should be of same type`` holds for the rest.
     """
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
         if in_parameters and isinstance(value, yaml.ScalarNode) and value.value == "" and not value.style:
             yield f"the parameter '{key.value}' has no value", place_of(key, shown)
-        if isinstance(value, yaml.SequenceNode) and any(isinstance(part, yaml.MappingNode) for part in value.value):
+        parts = value.value if in_parameters and isinstance(value, yaml.SequenceNode) else []
+        pairs = [part.value for part in parts if isinstance(part, yaml.MappingNode)]
+        words = [word for mapping in pairs for pair in mapping for word in pair if word is not mapping[0][0]]
+        kinds = {type(value_of(word, str)) for word in words if isinstance(word, yaml.ScalarNode)}
+        if len(kinds) > 1:
             yield f"'{key.value}' is a list of mappings, which ROS 2 does not read as a parameter", place_of(key, shown)
         yield from _refusals(value, shown, in_parameters or key.value == KEY)
 
@@ -195,8 +200,9 @@ def _values(
         if not isinstance(key, yaml.ScalarNode):
             raise UnreadableFileError(place_of(key, shown), "the name of a parameter must be a text")
         name = f"{prefix}{text_of(key.value) or key.value}"
-        if isinstance(value, yaml.MappingNode):
-            yield from _values(value, f"{name}.", shown, text_of)
+        inner = value.value[-1] if isinstance(value, yaml.SequenceNode) and value.value else value
+        if isinstance(inner, yaml.MappingNode):  # rcl_yaml_param_parser takes the mapping in a list for parameters, too
+            yield from _values(inner, f"{name}.", shown, text_of)
         else:
             yield GivenValue(name, value_of(value, text_of), place_of(key, shown))
 
@@ -205,6 +211,9 @@ def value_of(node: yaml.Node, text_of: Callable[[str], str | None]) -> Any:
     """Return the value of a YAML node as ROS 2 types it; `UNKNOWN` if it is not known."""
     if isinstance(node, yaml.SequenceNode):
         values = [value_of(item, text_of) for item in node.value]
+        lists = [value for value in values if isinstance(value, list)]
+        if lists and values[-1] is lists[0]:
+            return lists[0]  # rcl_yaml_param_parser forgets what stands before a list in a list
         return UNKNOWN if UNKNOWN in values else values
     if not isinstance(node, yaml.ScalarNode):
         return UNKNOWN

@@ -7,6 +7,8 @@ import builtins
 import io
 import os
 import re
+import shutil
+import subprocess
 import sys
 import traceback
 import warnings
@@ -27,7 +29,7 @@ from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
 _FUNCTION = "generate_launch_description"
-_OPEN = open
+_OPEN, _FIND = open, shutil.which
 _RAISE = re.compile(r"(?:^|[:;]\s*)raise\b")
 
 
@@ -105,6 +107,8 @@ class PythonFile:
         sys.meta_path.append(finder)
         os.environ = self._environment  # type: ignore[assignment]  # noqa: B003  # what the system does not need
         exists, os.path.exists, os.path.isfile = (os.path.exists, os.path.isfile), _exists, _exists
+        which, shutil.which = shutil.which, _which  # type: ignore[assignment]
+        process, subprocess.Popen = subprocess.Popen, _Process  # type: ignore[misc]
         opened = io.open
         builtins.open = io.open = self._opened  # `pathlib` takes the one of io
         try:
@@ -130,6 +134,7 @@ class PythonFile:
             self._missing |= finder.missing
             os.environ = environment  # noqa: B003
             os.path.exists, os.path.isfile = exists
+            shutil.which, subprocess.Popen = which, process  # type: ignore[misc]
             builtins.open = io.open = opened
             sys.meta_path.remove(finder)
             sys.path[:] = path
@@ -167,7 +172,7 @@ class PythonFile:
         if RUN_TIME in text or UNKNOWN_SHARE in text or self._has_opened_unknown:
             return "a file or text is not here"
         if isinstance(error, FileNotFoundError):  # perhaps one that the robot has, or that the build makes
-            return "a file is not here" if "/" in str(error.filename) else "a program is not installed"
+            return "a file is not here"
         return "the launch file itself refuses to go on" if self._is_refusal(error) else ""
 
     def _is_refusal(self, error: BaseException) -> bool:
@@ -252,6 +257,21 @@ _REPLACED = frozenset({"launch", "launch_ros", "launch_xml", "launch_yaml", "nav
 def _exists(path: Any) -> bool:
     """Return true for a file, and for one of a package that is not here: it is not known to be absent."""
     return UNKNOWN_SHARE in str(path) or RUN_TIME in str(path) or os.access(path, os.F_OK)
+
+
+def _which(program: str, *arguments: Any, **options: Any) -> str:
+    """Return the path of a program; that of one that is not installed here is known on the rover's computer only."""
+    return _FIND(program, *arguments, **options) or RUN_TIME
+
+
+class _Process(subprocess.Popen[Any]):
+    """A process; instead of a program that is not installed here, one whose output is known at run time only."""
+
+    def __init__(self, args: Any, *rest: Any, **options: Any) -> None:
+        try:
+            super().__init__(args, *rest, **options)
+        except FileNotFoundError:
+            super().__init__(["echo", RUN_TIME], *rest, **options)  # raises if the folder is not there
 
 
 def _is_beside(module: Any, folder: Path) -> bool:

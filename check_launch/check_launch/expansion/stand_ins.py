@@ -45,6 +45,7 @@ from check_launch.expansion.launch_context import UNKNOWN_SHARE, Context, Packag
 from check_launch.expansion.launch_imports import Ignored
 from check_launch.expansion.substitutions import Substitution, UnknownTextError, is_true, text_of
 from check_launch.misspellings import nearest
+from check_launch.rules.stated_facts import stated_facts
 from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
@@ -338,6 +339,7 @@ class StandIns:
             "get_package_share_directory": self._share,
             "get_package_share_path": lambda name: Path(self._share(name)),
             "get_package_prefix": self._share,
+            "get_search_paths": self._packages.prefixes,
             "PackageNotFoundError": KeyError,
         }
         contents: dict[str, Mapping[str, Any]] = {
@@ -552,7 +554,8 @@ def _with(action: Made, options: Mapping[str, Any], *known: str) -> Made:
     elif not isinstance(condition, Ignored | None):
         raise TypeError(f"'condition' is a {type(condition).__name__}: write IfCondition(...)")
     names = ("condition", *known)
-    action.unknown_options = {name: nearest(name, names) for name in options if name not in names}
+    renamed = stated_facts().renamed_options
+    action.unknown_options = {name: renamed.get(name) or nearest(name, names) for name in options if name not in names}
     return action
 
 

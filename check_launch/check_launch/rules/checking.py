@@ -54,9 +54,12 @@ class Checked:
     findings: list[Diagnostic] = field(default_factory=list)
     systems: list[tuple[str, System]] = field(default_factory=list)
     """System that each launch file starts with the defaults of its arguments, by the name of the file."""
-    launch_files: int = 0
-    evaluated: int = 0
-    """Launch files that were evaluated to their end."""
+    launch_files: set[str] = field(default_factory=set)
+    """Paths of the launch files that were to be checked."""
+    evaluated: set[str] = field(default_factory=set)
+    """Paths of launch files that were evaluated to their end, by themselves or as parts of others."""
+    of_ros1: set[str] = field(default_factory=set)
+    """Paths of launch files that only ROS 1 reads."""
     used: set[Span] = field(default_factory=set)
     """Places of parameters that a node of a launch file has."""
     parameter_files: int = 0
@@ -67,8 +70,10 @@ class Checked:
     def extent(self) -> str:
         """Text about the files that the check has evaluated, and about those that it has not."""
         parts = []
-        if self.launch_files:
-            parts.append(f"{self.evaluated} of {counted(self.launch_files, 'launch file')} evaluated")
+        if of_ros2 := self.launch_files - self.of_ros1:
+            parts.append(f"{len(self.evaluated & of_ros2)} of {counted(len(of_ros2), 'launch file')} evaluated")
+        if of_ros1 := self.launch_files & self.of_ros1:
+            parts.append(f"{counted(len(of_ros1), 'launch file')} of ROS 1")
         if unread := self.parameter_files - self.read:
             parts.append(f"{unread} of {counted(self.parameter_files, 'parameter file')} not checked")
         elif self.parameter_files:
@@ -109,13 +114,13 @@ class Checker:
     def check(self, files: Iterable[Path], arguments: Mapping[str, str]) -> Checked:
         """Check launch files with some values of their arguments, and parameter files."""
         checked, paths = Checked(), list(files)
-        evaluated: set[str] = set()
         sections = Sections(self._catalogue)
         launch_files = [path for path in paths if path.name.endswith(LAUNCH_ENDINGS)]
+        checked.launch_files = {str(path.resolve()) for path in launch_files}
         parameter_files = {shown_path(str(path)): path for path in paths if path not in launch_files}
         for path in launch_files:
             try:
-                self._check_launch_file(path, arguments, checked, sections, evaluated)
+                self._check_launch_file(path, arguments, checked, sections)
             except UnreadableFileError as error:
                 checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
         alone = {shown: path for shown, path in parameter_files.items() if shown not in sections.files}
@@ -136,8 +141,7 @@ class Checker:
         of_others = sections.of_others
         kept = [as_hint(one) if one.span in of_others and one.rule in _OF_ONE_NODE else one for one in kept]
         checked.findings = [_of_included(finding, launch_files) for finding in kept]
-        checked.evaluated = sum(str(path.resolve()) in evaluated for path in launch_files)
-        checked.launch_files, checked.parameter_files = len(launch_files), len(parameter_files)
+        checked.parameter_files = len(parameter_files)
         checked.read = len(sections.read_files & set(parameter_files))
         checked.findings = in_order(_once(checked.findings))
         return checked
@@ -150,7 +154,7 @@ class Checker:
         checked = Checked()
         for path in sorted({loader for file in alone.values() for loader in _loaders(file)}):
             with suppress(UnreadableFileError):
-                self._check_launch_file(path, {}, checked, sections, set(), set(alone))
+                self._check_launch_file(path, {}, checked, sections, set(alone))
         return checked.findings
 
     def _check_launch_file(
@@ -159,13 +163,9 @@ class Checker:
         arguments: Mapping[str, str],
         checked: Checked,
         sections: Sections,
-        evaluated: set[str],
         wanted: Collection[str] | None = None,
     ) -> None:
-        """Check a launch file; with ``wanted``, only if it gives one of these parameter files to a node.
-
-        ``evaluated`` gets the launch files that were evaluated to their end, also as a part of this one.
-        """
+        """Check a launch file; with ``wanted``, only if it gives one of these parameter files to a node."""
         expansions = self._expander.variants(path, arguments)
         systems = [system_of(expanded, self._catalogue) for expanded in expansions]
         if wanted is not None and not any(
@@ -173,8 +173,11 @@ class Checker:
         ):
             return
         checked.systems.append((shown_path(str(path)), systems[0]))
-        unevaluated = set().union(*(expanded.unevaluated for expanded in expansions))
-        evaluated |= set().union(*(expanded.included for expanded in expansions)) - unevaluated
+        # An expansion with any value of an argument, None, adds to what the default and the known values start.
+        known_values = [expanded for expanded in expansions if None not in expanded.arguments.values()]
+        unevaluated = set().union(*(expanded.unevaluated for expanded in known_values))
+        checked.of_ros1 |= set().union(*(expanded.of_ros1 for expanded in expansions))
+        checked.evaluated |= set().union(*(expanded.included for expanded in expansions)) - unevaluated
         for system in systems:
             sections.add(system)
         variants = Variants(
@@ -188,7 +191,7 @@ class Checker:
         for expanded, system in zip(expansions, systems, strict=True):
             varied = ((name, value) for name, value in expanded.arguments.items() if name not in arguments)
             chosen = " ".join(f"{name}:={'...' if value is None else value}" for name, value in varied)
-            for finding in self._of_expansion(expanded, system, variants, complete):
+            for finding in self._of_expansion(expanded, system, variants, complete, bool(chosen)):
                 if _key(finding) in known or (chosen and finding.severity is Severity.HINT):
                     continue
                 known.add(_key(finding))
@@ -197,7 +200,7 @@ class Checker:
                 )
 
     def _of_expansion(
-        self, expansion: Expansion, system: System, variants: Variants, complete: bool
+        self, expansion: Expansion, system: System, variants: Variants, complete: bool, is_varied: bool
     ) -> Iterator[Diagnostic]:
         yield from expansion.findings
         for name, place in expansion.undeclared:
@@ -216,7 +219,7 @@ class Checker:
         # Programs of this project may run beside the launch files of this project, not beside those of others.
         own = any(node.started.package in self._own for node in system.nodes)
         yield from topic_findings(system, variants, self._known if own else (), complete)
-        yield from frame_findings(system, complete)
+        yield from frame_findings(system, complete, is_varied)
 
 
 def _loaders(parameter_file: Path) -> Iterator[Path]:

@@ -10,14 +10,17 @@ from check_launch.rules.system import RunningNode, System
 from roverlink.generator.diagnostics import Diagnostic
 
 
-def frame_findings(system: System, complete: bool) -> Iterator[Diagnostic]:
-    """Yield findings about all frames. ``complete`` says that the launch files start everything."""
+def frame_findings(system: System, complete: bool, is_varied: bool) -> Iterator[Diagnostic]:
+    """Yield findings about all frames.
+
+    ``complete`` says that the launch files start everything, ``is_varied`` that one argument does not have its default.
+    """
     is_closed = complete and not system.has_unknown
     for tree in sorted({node.tree for node in system.nodes}):
-        yield from _of_tree([node for node in system.nodes if node.tree == tree], is_closed)
+        yield from _of_tree([node for node in system.nodes if node.tree == tree], is_closed, is_varied)
 
 
-def _of_tree(nodes: list[RunningNode], is_closed: bool) -> Iterator[Diagnostic]:
+def _of_tree(nodes: list[RunningNode], is_closed: bool, is_varied: bool) -> Iterator[Diagnostic]:
     publishers: dict[str, list[tuple[str, RunningNode]]] = {}
     frames: set[str] = set()
     for node in nodes:
@@ -30,6 +33,8 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool) -> Iterator[Diagnostic]:
             (node.started.place, node.full_name): (parent, node) for parent, node in ends
         }.values()
         for other_parent, other in others:
+            if is_varied and other.full_name == first.full_name:
+                continue  # alternatives of one name: whoever sets this argument sets that of the other one, too
             yield FramePublishedTwice.at(
                 other.started.place,
                 f"{other.name} publishes the transform from '{other_parent}' to '{child}', and {first.name} "

@@ -28,6 +28,8 @@ class RvizTopic:
     is_published: bool
     is_update: bool
     """True for the updates of a map, which have another message type than the display."""
+    is_enabled: bool
+    """False for a display that is switched off: it subscribes to nothing until a user switches it on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,4 +93,5 @@ def _topics(entries: dict[str, yaml.Node], plugin: str, is_tool: bool, shown: st
             _DURABILITY.get(durability, ""),
             is_tool,
             name == "Update Topic",
+            str(getattr(entries.get("Enabled"), "value", "true")).lower() != "false",
         )

@@ -193,9 +193,9 @@ def _of_file(section: Section, is_of_program: bool = True) -> Iterator[Diagnosti
             message = f"the parameter '{given.name}' stands again further down, and only the last one has an effect"
             yield RepeatedParameter.at(seen[given.name], message)
         seen[given.name] = given.place
-        # `Sequence should be of same type` and `Sequences cannot be nested` of rcl_yaml_param_parser
+        # `Sequence should be of same type`, or `Sequences cannot be key` after a list in a list (rcl_yaml_param_parser)
         kinds = {type(item) for item in given.value} if is_of_program and isinstance(given.value, list) else set()
-        if len(kinds) > 1 or kinds & {list, dict}:
+        if len(kinds) > 1 or list in kinds:
             message = (
                 f"the list '{given.name}' contains {' and '.join(sorted(_KINDS.get(kind, 'texts') for kind in kinds))}"
             )

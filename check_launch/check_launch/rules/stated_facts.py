@@ -21,6 +21,7 @@ class StatedFacts:
 
     renamed: Mapping[str, Mapping[str, str]]
     """New names by the old ones, by the distribution that changed them."""
+    renamed_options: Mapping[str, str]
     renamed_plugins: Mapping[str, str]
     usual_names: Mapping[str, str]
     """Names that programs give to their nodes, by package and executable."""

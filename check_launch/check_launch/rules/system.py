@@ -174,6 +174,7 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
         known = catalogue.plugins.get(rviz_topic.plugin)
         type_ = known.message_types[0] if known and len(known.message_types) == 1 else ""
         type_ = MAP_UPDATES if rviz_topic.is_update else type_
+        type_ = type_ if rviz_topic.is_enabled else ""  # a display that is off subscribes to nothing, of no type
         kind = "publisher" if rviz_topic.is_published else "subscription"
         endpoint = Endpoint(kind, rviz_topic.topic, type_, rviz_topic.reliability, rviz_topic.durability)
         topic = full_name(rviz_topic.topic, node)
