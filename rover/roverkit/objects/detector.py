@@ -12,7 +12,7 @@ import numpy as np
 from roverkit.objects.detected_objects import Box, ObjectDetection
 from roverkit.objects.layouts import LAYOUTS, Candidates, Layout, Outputs, Signature, candidates, without_grids
 from roverkit.objects.plausibility import objection
-from roverkit.objects.runtime_session import Array, Session
+from roverkit.objects.runtime_session import Session
 from roverkit.vision.markers.detection import Image, to_colour
 from roverkit.vision.opencv import cv2
 from roverlink.numerals import counted
@@ -80,33 +80,34 @@ class ObjectDetector:
         outputs = without_grids(self._session.run([blob, *self._extra]))
         with np.errstate(over="ignore", invalid="ignore"):  # a network may compute NaN, which gives no object
             found = self._layout.decode(outputs, self._signature)
-            sure = found.scores >= self._score  # false for NaN, too
-            found = Candidates(found.boxes[sure].astype(float), found.scores[sure], found.classes[sure])
-            boxes = placement.to_image(found.boxes)
-            lengths = boxes[:, 2:] - boxes[:, :2]
-        good = (lengths > 0).all(axis=1) & (found.classes >= 0)
-        if self.class_names:
-            good &= found.classes < len(self.class_names)
-        chosen = self._chosen(
-            Candidates(np.hstack([boxes[good, :2], lengths[good]]), found.scores[good], found.classes[good])
-        )
+            lengths = found.boxes[:, 2:] - found.boxes[:, :2]
+            good = (found.scores >= self._score) & (lengths > 0).all(axis=1)  # false for NaN, too
+        good &= (found.classes >= 0) & (found.classes < (len(self.class_names) or np.inf))
+        best = self._best(Candidates(found.boxes[good].astype(float), found.scores[good], found.classes[good]))
+        boxes = placement.to_image(best.boxes)
+        boxes[:, 2:] -= boxes[:, :2]
         return [
-            ObjectDetection(Box(*(float(value) for value in box)), self._class_name(index), float(score))
-            for box, score, index in chosen
+            ObjectDetection(Box(*box), self._class_name(index), score)
+            for box, score, index in zip(boxes.tolist(), best.scores.tolist(), best.classes.tolist(), strict=True)
+            if min(box[2:]) > 0
         ]
 
-    def _chosen(self, found: Candidates) -> list[tuple[Array, float, int]]:
-        """Return box (x y w h), score and class of the objects: of boxes that overlap, the best one of each class."""
+    def _best(self, found: Candidates) -> Candidates:
+        """Return the objects with the best scores: of boxes that overlap, the best one of each class.
+
+        The boxes are not clipped to the image yet, because the networks' own programs compare whole boxes.
+        """
         if self._layout.overlapping and len(found.boxes):
+            sizes = np.hstack([found.boxes[:, :2], found.boxes[:, 2:] - found.boxes[:, :2]])
             kept = np.ravel(
                 cv2.dnn.NMSBoxesBatched(
-                    found.boxes, found.scores.astype(np.float32), found.classes.astype(np.int32), 0.0, _OVERLAP
+                    sizes, found.scores.astype(np.float32), found.classes.astype(np.int32), 0.0, _OVERLAP
                 )
             ).astype(np.intp)
         else:
             kept = np.arange(len(found.boxes))
         kept = kept[np.argsort(-found.scores[kept], kind="stable")][:_MOST]
-        return [(found.boxes[index], float(found.scores[index]), int(found.classes[index])) for index in kept]
+        return Candidates(found.boxes[kept], found.scores[kept], found.classes[kept])
 
     def _class_name(self, index: int) -> str:
         return self.class_names[index] if self.class_names else str(index)

@@ -82,7 +82,9 @@ class LabelledImage:
             index, *rest = (float(word) for word in line.split())
             if self.points:
                 rest = rest[:4]
-            elif len(rest) > 4 and len(rest) % 2 == 0:  # the outline of the object, as for segmentation
+            elif len(rest) % 2:  # the number of a track follows, as in CVAT's "Ultralytics YOLO Detection Track"
+                rest = rest[:-1]
+            if len(rest) > 4:  # the outline of the object, as for segmentation
                 xs, ys = rest[0::2], rest[1::2]
                 rest = [(min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2, max(xs) - min(xs), max(ys) - min(ys)]
             x, y, width, height = rest
@@ -185,7 +187,8 @@ def _of_data_yaml(file: Path, say: Say) -> _Export:
             try:
                 found += _images(entry.filled_text("the path of a folder or of a list"), base)
             except _NoImagesError as error:
-                raise entry.error(f"{key}: {error}") from error
+                hint = "; without val, every eighth image is for the measurement" if key == "val" else ""
+                raise entry.error(f"{key}: {error}{hint}") from error
         return list(dict.fromkeys(found))
 
     return _Export(file, class_names(entries["names"]), listed("train"), listed("val"), "kpt_shape" in entries)
@@ -196,7 +199,7 @@ def _of_obj_data(file: Path) -> _Export:
     pairs = (line.partition("=") for line in _lines(file))
     entries = {key.strip(): value.strip() for key, _, value in pairs}
     names = _placed(entries.get("names", "obj.names"), file.parent)
-    train, val = (_images(entries[key], file.parent) if key in entries else [] for key in ("train", "valid"))
+    train, val = (_images(entries[key], file.parent) if entries.get(key) else [] for key in ("train", "valid"))
     return _Export(file, _names(names), train, val)
 
 
@@ -209,17 +212,19 @@ def _images(text: str, base: Path) -> list[Path]:
     place = _placed(text, base)
     if place.is_dir():
         found = sorted(path for path in place.rglob("*") if path.suffix.lower() in IMAGES)
-    else:
+    elif place.exists():
         found = [_placed(line, base) for line in _lines(place)]
         if lost := next((path for path in found if not path.is_file()), None):
             raise _NoImagesError(f"{place} names {lost}, which does not exist; export the images, too")
+    else:
+        raise _NoImagesError(f"there is no {place}")
     if not found:
         raise _NoImagesError(f"{place} has no images")
     return found
 
 
 def _placed(text: str, base: Path) -> Path:
-    """Return the path that an export means. Raises `_NoImagesError` if there is none.
+    """Return the path that an export means; the stated one if none exists.
 
     Paths in exports of Roboflow begin with "../", for a folder of data sets around this one, those of CVAT with
     "data/", and others with the folder of another computer.
@@ -228,10 +233,8 @@ def _placed(text: str, base: Path) -> Path:
     parts = [part for part in given.parts if part != ".."]
     # Of a folder, one name is too little: many are called "images".
     starts = range(len(parts) if given.suffix else max(1, len(parts) - 1))
-    for choice in (given, *(Path(*parts[start:]) for start in starts)):
-        if parts and (base / choice).exists():
-            return base / choice
-    raise _NoImagesError(f"there is no {base / given}")
+    choices = (base / choice for choice in (given, *(Path(*parts[start:]) for start in starts)))
+    return next((choice for choice in choices if choice.exists()), base / given)
 
 
 def _names(file: Path) -> tuple[str, ...]:

@@ -140,16 +140,15 @@ def test_exports_of_labelling_programs_are_read(
     assert data.names == _NAMES
     assert not {image.path.resolve() for image in data.train} & {image.path.resolve() for image in data.val}
     assert all(len(image.read()[1]) == 2 for image in (*data.train, *data.val))
-    assert len(messages) == len(told)
-    for message, text in zip(messages, told):
+    for message, text in zip(messages, told, strict=True):
         assert text in message
 
 
 def test_labels_are_read_as_boxes_inside_the_image(folder: Path) -> None:
-    """An outline becomes a box, one that reaches out a little is clipped, and no file of labels is no object."""
+    """An outline becomes a box, a box is clipped, the number of a track is left out, and no file is no object."""
     first, second, *_, last = sorted((folder / "labels/train").iterdir())
     first.write_text("1 0.1 0.2 0.5 0.2 0.5 0.6 0.1 0.6\n\n")
-    second.write_text("0 0.98 0.5 0.1 0.2\n")
+    second.write_text("0 0.98 0.5 0.1 0.2 7\n")
     last.unlink()
     messages: list[str] = []
     images = {image.path.stem: image for image in read_folder(folder, messages.append).train}
@@ -187,6 +186,7 @@ def test_mistakes_in_labels_are_located(folder: Path, line: str, text: str) -> N
         ("names: [a]\nval: images/val", "the key 'train' is missing"),
         ("names: [a]\ntrain: none\nval: images/val", "2:8: train: there is no "),
         ("names: [a]\ntrain: labels/val\nval: images/val", "labels/val has no images"),
+        ("names: [a]\ntrain: data.yaml", "names: [a], which does not exist; export the images, too"),
     ],
 )
 def test_mistakes_in_data_yaml_are_located(folder: Path, text: str, message: str) -> None:
