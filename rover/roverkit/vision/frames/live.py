@@ -6,11 +6,14 @@ gets the newest frame. If a source stalls or ends, it is opened again as soon as
 
 from __future__ import annotations
 
+import socket
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any
+from urllib.parse import urlsplit
 
 from roverkit.vision.camera.camera_settings import CameraSettings
 from roverkit.vision.frames.frame import Frame, rate_of
@@ -26,10 +29,13 @@ V4L2, the camera interface of Linux, has its own limit of ten seconds.
 """
 OPENING_S = 5.0
 """Longest time in seconds that a stream may take to answer."""
+_ACCEPTING_S = 1.0
+"""Longest time in seconds that the computer of a stream may take to accept a connection."""
 PAUSE_S = 0.5
 """Time in seconds between two attempts to open a source again. Whoever drives the rover waits for the picture."""
 _OLDEST_S = 1.0  # an older driver stamp comes from another clock
 _CLOSING_S = STALLED_S + 1.0  # the process would abort if it ended while a thread still waits for a stream
+_PORTS = {"http": 80, "https": 443, "rtsp": 554}
 _NEWEST_SINK = "videoconvert ! video/x-raw, format=BGR ! appsink drop=true max-buffers=1 sync=false"
 
 Say = Callable[[str], None]
@@ -164,10 +170,25 @@ def open_stream(urls: tuple[str, ...], settings: CameraSettings, say: Say, clock
     ]
 
     def connect() -> Any:
+        if not _accepts(urls[0]):
+            return None
         captures = (cv2.VideoCapture(url, cv2.CAP_FFMPEG, limits) for url in urls)
         return next((capture for capture in captures if capture.isOpened()), None)
 
     return LiveSource(urls[0], connect, say, settings.latency_ns, clock)
+
+
+def _accepts(url: str) -> bool:
+    """Return true if a computer accepts connections at the address in a URL.
+
+    FFmpeg would go on with one connection for `OPENING_S`. If the network drops its first packet, TCP repeats it after
+    1 and 3 s only (RFC 6298), so that the return of a camera would be noticed late.
+    """
+    with suppress(OSError, ValueError):  # a port that is no number, or too large
+        place = urlsplit(url)
+        socket.create_connection((place.hostname or "", place.port or _PORTS[place.scheme]), _ACCEPTING_S).close()
+        return True
+    return False
 
 
 def _connected(name: str, settings: CameraSettings, say: Say, *what: object) -> Callable[[], Any]:
