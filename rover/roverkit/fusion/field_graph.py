@@ -174,7 +174,7 @@ class FieldGraph(Generic[T]):
         """
         if self.unknown:
             return None
-        expected = self._expected(point)
+        expected = self._expected(self._predicted(point), point)
         return PlanarGaussian(expected.pose, self._recent.variance_factor * expected.covariance)
 
     def see(self, detections: Mapping[T, PlanarGaussian], point: OdometryPoint) -> None:
@@ -199,8 +199,8 @@ class FieldGraph(Generic[T]):
                 noise = gtsam.noiseModel.Gaussian.Covariance(self._supposed.outer_covariance)
                 factors.add(state_factor(first, 0, start[:3], noise))
         else:
-            predicted, expected = self._predicted(point), self._expected(point)
-            prior = predicted.covariance
+            predicted = self._predicted(point)
+            expected, prior = self._expected(predicted, point), predicted.covariance
             start = self._follow(point, factors)
         key = self._add_pose(point, start, values)
         grown = False
@@ -296,9 +296,9 @@ class FieldGraph(Generic[T]):
         state, covariance = self._solver.calculateEstimateVector(last), self._solver.marginalCovariance(last)
         return self._last.motion_to(point).pose_after(state, covariance)
 
-    def _expected(self, point: OdometryPoint) -> PlanarGaussian:
-        """Return the pose at the time of a point of the odometry with the errors of sightings that last."""
-        predicted, lasting = self._predicted(point), self._carried(point)
+    def _expected(self, predicted: PlanarGaussian, point: OdometryPoint) -> PlanarGaussian:
+        """Return a pose that was predicted at a point of the odometry with the errors of sightings that last."""
+        lasting = self._carried(point)
         return PlanarGaussian(predicted.pose, predicted.covariance + lasting @ lasting.T)
 
     def _carried(self, point: OdometryPoint) -> Floats:
@@ -317,7 +317,8 @@ class FieldGraph(Generic[T]):
             return
         if self._last_gps is not None and self._last_gps.pose.distance_to(point.pose) < _GPS_APART_M:
             return
-        prior, expected = self._predicted(point).covariance, self._expected(point)
+        predicted = self._predicted(point)
+        expected, prior = self._expected(predicted, point), predicted.covariance
         missed = position - (expected.pose.x, expected.pose.y)
         spread = self._recent.variance_factor * expected.outer_covariance[:2, :2] + covariance
         if not self._reasons.passes(

@@ -85,7 +85,7 @@ def slipping_motion(pose: PlanarPose, growth: Floats, yaw: YawError, mean_slip: 
     back = pose.inverse()
     by_errors[:2, 1] = mean_slip * np.array([back.x, back.y])
     covariance = _FLOOR.copy()
-    covariance[:2, :2] += _squared(growth)
+    covariance[:2, :2] += _nearest(growth)
     new = np.concatenate([lever * yaw.after, [1, 0]])
     covariance += (1 - yaw.correlation**2) * np.outer(new, new)
     return SlippingMotion(pose, by_errors, np.array([yaw.correlation, 1.0]), covariance)
@@ -107,8 +107,8 @@ def pose_of(state: Floats) -> PlanarPose:
     return PlanarPose(*state[:3].tolist())
 
 
-def _squared(matrix: Floats) -> Floats:
-    """Return the nearest matrix without negative variances."""
+def _nearest(matrix: Floats) -> Floats:
+    """Return the nearest covariance matrix, which has no negative variances."""
     variances, axes = np.linalg.eigh((matrix + matrix.T) / 2)
-    squared: Floats = axes * np.maximum(variances, 0) @ axes.T
-    return squared
+    nearest: Floats = axes * np.maximum(variances, 0) @ axes.T
+    return nearest

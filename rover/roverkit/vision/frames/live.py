@@ -35,7 +35,8 @@ PAUSE_S = 0.5
 """Time in seconds between two attempts to open a source again. Whoever drives the rover waits for the picture."""
 _OLDEST_S = 1.0  # an older driver stamp comes from another clock
 _CLOSING_S = STALLED_S + 1.0  # the process would abort if it ended while a thread still waits for a stream
-_PORTS = {"http": 80, "https": 443, "rtsp": 554}
+PORTS = {"http": 80, "https": 443, "rtsp": 554}
+"""Schemes of the URLs of streams, with the ports that are meant if a URL names none."""
 _NEWEST_SINK = "videoconvert ! video/x-raw, format=BGR ! appsink drop=true max-buffers=1 sync=false"
 
 Say = Callable[[str], None]
@@ -186,7 +187,7 @@ def _accepts(url: str) -> bool:
     """
     with suppress(OSError, ValueError):  # a port that is no number, or too large
         place = urlsplit(url)
-        socket.create_connection((place.hostname or "", place.port or _PORTS[place.scheme]), _ACCEPTING_S).close()
+        socket.create_connection((place.hostname or "", place.port or PORTS[place.scheme]), _ACCEPTING_S).close()
         return True
     return False
 

@@ -10,13 +10,12 @@ from urllib.parse import urlsplit, urlunsplit
 
 from roverkit.vision.camera.camera_settings import CameraSettings
 from roverkit.vision.frames.frame import RATE, FrameSource
-from roverkit.vision.frames.live import Say, open_camera, open_pipeline, open_stream
+from roverkit.vision.frames.live import PORTS, Say, open_camera, open_pipeline, open_stream
 from roverkit.vision.frames.recorded import IMAGES, VIDEOS, ImageFiles, VideoFile
 from roverlink.bounded_files import open_regular
 from roverlink.runtime.core.errors import SetupError
 from roverlink.runtime.ros_time.clock import SYSTEM_CLOCK, Clock
 
-SCHEMES = ("http", "https", "rtsp")
 TOPIC = "topic:"
 """Start of the text that names a ROS 2 topic."""
 PIPELINE = "gstreamer:"
@@ -71,7 +70,7 @@ def open_source(
     if _HOST.fullmatch(text) and path.suffix.lower() not in IMAGES | VIDEOS:
         return open_stream(_urls(f"http://{text}"), settings, say, clock)
     raise SetupError(
-        f"no file or folder {text!r}; a source can also be the number of a camera, a URL ({', '.join(SCHEMES)}), "
+        f"no file or folder {text!r}; a source can also be the number of a camera, a URL ({', '.join(PORTS)}), "
         f"{TOPIC}NAME, or {PIPELINE}PIPELINE"
     )
 
@@ -89,8 +88,8 @@ def _urls(text: str) -> tuple[str, ...]:
         parts = urlsplit(text)
     except ValueError as error:
         raise SetupError(f"{text}: not a valid URL: {error}") from error
-    if parts.scheme.lower() not in SCHEMES:
-        raise SetupError(f"{text}: unknown scheme {parts.scheme!r} (known: {', '.join(SCHEMES)})")
+    if parts.scheme.lower() not in PORTS:
+        raise SetupError(f"{text}: unknown scheme {parts.scheme!r} (known: {', '.join(PORTS)})")
     if parts.scheme.lower() == "rtsp" or parts.path.endswith(_WEBCAM):
         return (text,)
     return text, urlunsplit(parts._replace(path=parts.path.rstrip("/") + _WEBCAM))
