@@ -17,6 +17,7 @@ from bench.wire import IMU_STAMP, MOTOR_STAMP, imu_datagram
 
 WARM_UP_RATE = 1000
 WARM_UP_SECONDS = 0.2
+SETTLING_SECONDS = 3.0  # in which a bridge still learns of other nodes, which counts where datagrams are few
 MATCH_SECONDS = 20.0
 PACE_KEPT = 0.95
 _PORTS = range(20_000, 32_768)
@@ -113,7 +114,7 @@ class Rig:
         command = contestant.command(self.ports, self.setting.forwards)
         with self.lab.start(contestant, command) as child:
             wait_until_bound(child, self.ports.listen)
-            warmed = self._warm_up(child)
+            warmed = self._warm_up(child, WARM_UP_SECONDS if rate is None or rate > WARM_UP_RATE else SETTLING_SECONDS)
             used, began = child.cpu_seconds(), time.monotonic()
             offered = self._offer(rate, seconds)
             rested = self._rest(child)
@@ -142,8 +143,8 @@ class Rig:
     def _rest(self, child: Child) -> float:
         return wait_until_quiet([child, self.observer] if self.observer else [child], self.ports.listen)
 
-    def _warm_up(self, child: Child) -> int:
-        """Send until datagrams pass (DDS needs time to match) and the code is warm; return the number sent."""
+    def _warm_up(self, child: Child, seconds: float) -> int:
+        """Send until datagrams pass (DDS needs time to match), and then for some seconds; return the number sent."""
         sent, deadline = 0, time.monotonic() + MATCH_SECONDS
         while self.observer:
             sent += self._offer(WARM_UP_RATE, 0.02).sent
@@ -152,7 +153,7 @@ class Rig:
             child.check_running()
             if time.monotonic() > deadline:
                 raise child.failure(f"did not pass on any message within {MATCH_SECONDS:g} s")
-        sent += self._offer(WARM_UP_RATE, WARM_UP_SECONDS).sent
+        sent += self._offer(WARM_UP_RATE, seconds).sent
         self._rest(child)
         if self.observer:
             self.observer.ask("")
