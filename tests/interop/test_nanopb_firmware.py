@@ -156,7 +156,7 @@ def test_a_board_that_must_sign(tmp_path: Path) -> None:
     notes = [envelope(note={"text": "x" * length, "samples": [length]}).SerializeToString() for length in range(20)]
     signed = [signer.sign(note) for note in notes]
     sent = [strip_trailing_zeros(datagram) + bytes(place % 3 * 7) for place, datagram in enumerate(signed)]
-    answers = firmware.echo([signed[0][:-1] + b"?", notes[0], *sent, sent[-1], sent[3]])
+    answers = firmware.echo([signed[0][:-1] + bytes([signed[0][-1] ^ 1]), notes[0], *sent, sent[-1], sent[3]])
     assert [answer is None for answer in answers] == [True, True, *[False] * len(sent), True, True]
     for note, answer in zip(notes, answers[2:-2]):
         assert answer is not None

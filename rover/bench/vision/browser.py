@@ -90,6 +90,7 @@ def browser(width: int = 1280, height: int = 900) -> Iterator[Visitor]:
     # Without a sandbox, which needs privileges that root in a container does not have; it opens only our own pages.
     for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-proxy-server"):
         options.add_argument(argument)
+    options.page_load_strategy = "eager"  # an image that is a stream of pictures may never be loaded
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(program))
     try:

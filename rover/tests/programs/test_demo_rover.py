@@ -52,7 +52,7 @@ def test_the_page_shows_the_video_of_the_camera_and_the_paths_of_the_rover(start
     """The video as it arrives; the true path and both estimated ones, landmarks; the end of the demo is told."""
     from rover.tests.vision.browsing import visiting  # it needs OpenCV
 
-    demo = start("demo", "--seconds", 120, "--middleware", "memory")
+    demo = start("demo", "--seconds", 3600, "--middleware", "memory")
     told = "page with the video of the camera and the paths of the rover: http"
     url = demo.wait_for(told, demo.output).rpartition(": ")[2]
     with visiting() as visitor:
