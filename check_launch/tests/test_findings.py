@@ -154,6 +154,10 @@ _CASES: Mapping[str, Case] = {
         },
         ["a.launch:3:20: LCH103 in ROS 2 it is <node exec=...>"],
     ),
+    "parameters of ROS 1": (
+        {"a.launch": '<launch>\n  <param name="rate" value="1"/>\n  <param name="mode" value="2"/>\n</launch>\n'},
+        ["a.launch:2:3: LCH103 in ROS 2 it is"],
+    ),
     "an argument that is not declared": (
         {"a.launch.xml": '<launch>\n  <node pkg="rviz2" exec="rviz2" name="$(var nam)"/>\n</launch>\n'},
         ["a.launch.xml:2:3: LCH104 declare it with `arg`"],

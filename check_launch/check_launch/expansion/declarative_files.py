@@ -124,6 +124,12 @@ def read_declarative(path: Path, shown: str) -> tuple[list[Action], list[Diagnos
     entities = read_entities(path, shown)
     inside = list(_all_of(entities))
     signs = [sign for entity in inside for sign in _signs_of_ros1(entity)]
+    signs += [
+        (child.place, "<param> outside of <node>")
+        for children in (entities, *(entity.children for entity in inside if entity.name not in _CHILDREN))
+        for child in children
+        if child.name == "param"
+    ]
     if path.suffix not in (".yaml", ".yml") and len(signs) > sum(map(_is_of_ros2, inside)):
         raise OfRos1Error(*signs[0])
     reader = _Reader()

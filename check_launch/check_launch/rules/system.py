@@ -271,7 +271,7 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System, dependenc
 
 def _component(plugin: str, package: Package, catalogue: Catalogue, system: System, at: Span) -> NodeClass | None:
     if plugin in package.components or package.is_partial:
-        facts = catalogue.classes.get(plugin)
+        facts = catalogue.classes.get(package.components.get(plugin, plugin))
         system.has_unknown |= facts is None or facts.is_partial
         return facts
     names = ", ".join(package.components) or "none"
