@@ -672,10 +672,10 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     ),
     "a program of the robot": (
         "import shutil, subprocess\nfrom launch import LaunchDescription\ndef generate_launch_description():\n"
-        "    if not subprocess.check_output([shutil.which('rover-maps')]):\n        raise RuntimeError\n"
+        "    {'rover': 1}[subprocess.check_output([shutil.which('rover-maps')])[:5].decode()]\n"
         "    return LaunchDescription()\n",
         "",
-        [],
+        ["hint LCH102"],
     ),
     "a parameter above an unknown launch file": (
         "  - set_parameter: {name: a, value: 1}\n  - include: {file: $(find-pkg-share a_rover)/launch/a.launch.py}\n"
