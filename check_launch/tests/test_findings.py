@@ -155,8 +155,8 @@ _CASES: Mapping[str, Case] = {
         ["a.launch:3:20: LCH103 in ROS 2 it is <node exec=...>"],
     ),
     "parameters of ROS 1": (
-        {"a.launch": '<launch>\n  <param name="rate" value="1"/>\n  <param name="mode" value="2"/>\n</launch>\n'},
-        ["a.launch:2:3: LCH103 in ROS 2 it is"],
+        {"a.launch": '<launch>\n  <arg name="r" doc="Hz"/>\n  <param name="rate" value="$(var r)"/>\n</launch>\n'},
+        ["a.launch:2:17: LCH103 in ROS 2 it is"],
     ),
     "an argument that is not declared": (
         {"a.launch.xml": '<launch>\n  <node pkg="rviz2" exec="rviz2" name="$(var nam)"/>\n</launch>\n'},
@@ -420,21 +420,19 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "",
         2 * ["hint LCH102"],
     ),
-    "parameters without ros__parameters": (
-        _node("robot_localization", "ekf_node", name="ekf"),
-        "ekf:\n  frequency: 30.0\n",
-        ["fatal LCH101"],
-    ),
-    "parameters beside ros__parameters": (
-        _node("robot_localization", "ekf_node", name="ekf"),
-        "ekf:\n  ros__parameters:\n  frequency: 30.0\n",
-        ["fatal LCH101"],
-    ),
-    "a parameter without a value": (
-        _node("robot_localization", "ekf_node", name="ekf"),
-        _parameters("ekf", "frequency:"),
-        ["fatal LCH101"],
-    ),
+    **{
+        f"a parameter file that the parser refuses: {text!r}": (
+            _node("robot_localization", "ekf_node", name="ekf"),
+            text,
+            ["fatal LCH101"],
+        )
+        for text in (
+            "ekf:\n  frequency: 30.0\n",
+            "ekf:\n  ros__parameters:\n  frequency: 30.0\n",
+            "ekf:\n  ros__parameters:\n    frequency:\n",
+            "ros__parameters:\n  ekf: {frequency: 30.0}\n",
+        )
+    },
     "too few values, which the node ignores and refuses": (
         "",
         _parameters("ekf_filter_node", "odom0: /odom", "initial_state: [0.0]", "odom0_config: [true, false]"),
@@ -449,11 +447,6 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _node("controller_manager", "ros2_control_node"),
         _parameters("controller_manager", "drive: {type: diff_drive_controller/DiffDriveController, update_rate: 5}"),
         ["warning PAR102 it belongs to the section 'drive'"],
-    ),
-    "parameters above the name of the node": (
-        _node("robot_localization", "ekf_node", name="ekf"),
-        "ros__parameters:\n  ekf: {frequency: 30.0}\n",
-        ["fatal LCH101"],
     ),
     "a plugin without a type": (
         "",
@@ -540,6 +533,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
             "Node(package='a', executable='b', parameters={})",
             "Node(package='a', executable='b', arguments=[0])",
             "[Node(package='a', executable='b')]",
+            "Node(package='a', executable='b', package='c')",
         )
     },
     "a condition that Python has compared": (
@@ -811,8 +805,17 @@ def test_a_display_that_shows_nothing_is_found_in_a_complete_system(write: Write
         "robot_localization", "ekf_node"
     )
     config = f"Visualization Manager:\n  Displays:\n{shown}"
-    write({"a_launch.yaml": f"launch:\n{nodes}", "p.yaml": "{}", "a.rviz": config.replace("false", "true")})
-    assert check("a_launch.yaml")[1] == ["a.rviz:5:77: TOP106"]
+    write(
+        {
+            "a_launch.yaml": f"launch:\n{nodes}",
+            "p.yaml": "{}",
+            "a.rviz": config.replace("false", "true").replace("/Image", "/Imu"),
+        }
+    )
+    assert check("a_launch.yaml")[1] == [
+        "a.rviz:3:15: PLG101 did you mean 'rviz_imu_plugin/Imu'?",
+        "a.rviz:5:77: TOP106",
+    ]
     write({"a.rviz": config})
     assert check("a_launch.yaml") == (0, [])
     assert check("a_launch.yaml", "--complete")[1] == ["a.rviz:3:58: TOP102 topics of this type: /goal_pose"]

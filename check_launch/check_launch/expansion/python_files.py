@@ -221,7 +221,9 @@ def _parsed(path: Path, shown: str) -> ast.Module:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of escapes in a stranger's texts
-            return ast.parse(bounded_files.read(path), str(path))
+            tree = ast.parse(bounded_files.read(path), str(path))
+            compile(tree, str(path), "exec")  # refuses more than the grammar, such as an argument that is given twice
+            return tree
     except OSError as error:
         raise UnreadableFileError(Span(shown), f"cannot read the file: {error.strerror or error}") from error
     except SyntaxError as error:

@@ -10,7 +10,7 @@ from itertools import pairwise
 from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Package
 from check_launch.expansion.expander import Expansion, FileUse, StartedNode, StartedRemapping, joined
 from check_launch.expansion.parameter_files import GivenValue, Section
-from check_launch.misspellings import did_you_mean, misspelt, nearest
+from check_launch.misspellings import all_nearest, did_you_mean, misspelt, nearest
 from check_launch.rules.known_parameters import ParameterView
 from check_launch.rules.launch_rules import (
     MisspeltPackage,
@@ -167,9 +167,12 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
     if read is None:
         return
     for plugin, place in read.plugins:
-        if plugin not in catalogue.plugins and (near := nearest(plugin, catalogue.plugins, 0.85)):
+        if plugin not in catalogue.plugins and (near := all_nearest(plugin, catalogue.plugins, 0.85)):
+            inner = plugin.partition("/")[2]
+            same = [name for name in catalogue.plugins if name.endswith(f"/{inner}")]  # of another package
+            longer = [name for name in catalogue.plugins if name.startswith(plugin)]
             message = f"RViz has no display or tool '{plugin}'"
-            system.findings.append(UnknownPlugin.at(place, message, did_you_mean(near)))
+            system.findings.append(UnknownPlugin.at(place, message, did_you_mean(same or longer or near)))
     for rviz_topic in read.topics:
         known = catalogue.plugins.get(rviz_topic.plugin)
         type_ = known.message_types[0] if known and len(known.message_types) == 1 else ""

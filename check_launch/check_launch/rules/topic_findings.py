@@ -318,7 +318,8 @@ def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnos
     known = [name for node in nodes for name in node.connections_before]
     wanted = full_name(source, nodes[0])
     near = nearest(wanted, known)
-    help = did_you_mean(near if source.startswith("/") else near.removeprefix(f"{nodes[0].namespace}/"))
+    relative = near.removeprefix(f"{nodes[0].namespace}/")
+    help = did_you_mean(near if source.startswith("/") or relative == source else relative)
     message = f"{nodes[0].name} has no topic, service or action '{source}'"
     finding = RemappingOfUnknownTopic.at(rule.place, message, help)
     texts = {text.strip("~/") for node in nodes if node.facts for text in node.facts.other_texts}
