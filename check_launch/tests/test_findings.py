@@ -360,13 +360,14 @@ def test_programs_of_this_project_are_those_that_declare_a_node(
     node = NodeDeclaration("listener", (heard, told), (Parameter("<voice>.pitch", float, "pitch in Hz"),))
     monkeypatch.setattr(own_programs, "declared_nodes", lambda: {"listen_closely": node})
     program = "  - node: {pkg: rtt_slam, exec: %s, param: [{name: %s, value: 1.0}], remap: [{from: %s, to: b}]}\n"
-    write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitch", "heard")})
-    assert check("a_launch.yaml") == (0, [])
-    write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitch", "told/low")})
+    known = (program % ("listen_closely", "low.pitch", topic) for topic in ("heard", "told/low"))
+    write({"a_launch.yaml": "launch:\n" + "".join(known)})
     assert check("a_launch.yaml") == (0, [])
     write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitsch", "herd")})
-    misspelled = ["a_launch.yaml:2:64: PAR101", "a_launch.yaml:2:105: TOP101 did you mean 'heard'?"]
-    assert check("a_launch.yaml") == (1, misspelled)
+    assert check("a_launch.yaml")[1] == [
+        "a_launch.yaml:2:64: PAR101",
+        "a_launch.yaml:2:105: TOP101 did you mean 'heard'?",
+    ]
     write({"a_launch.yaml": "launch:\n" + program % ("objects_model_options", "a", "b")})
     assert check("a_launch.yaml") == (1, ["a_launch.yaml:2:5: LCH108 executables of rtt_slam: listen_closely"])
 
@@ -599,7 +600,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         + _parameters("/rover/drive", "open_loop: true"),
         [],
     ),
-    "a folder in place of a file": (
+    "a folder for a file": (
         _node("robot_localization", "ekf_node", param="[{from: $(dirname)}]"),
         "",
         ["warning LCH111"],
@@ -609,35 +610,31 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "launch:\n  - arg: {name: map}\n",
         ["error LCH104"],
     ),
-    "an argument that the user has to give": (
-        "  - push_ros_namespace: {namespace: $(var ns)}\n  - arg: {name: ns, default: $(var ns)}\n",
-        "",
-        [],
-    ),
     "nothing in place of a description": ("def generate_launch_description():\n    pass\n", "", ["fatal LCH101"]),
     # What is not known is not absent.
     "an action of another package": ("  - pyenv_node: {pkg: my_rover}\n", "", ["hint LCH103"]),
-    "two topics of which a short word differs": (
-        _node(
-            "nav2_velocity_smoother",
-            "velocity_smoother",
-            remap="[{from: cmd_vel, to: cmd_vel_nav}, {from: cmd_vel_smoothed, to: cmd_vel_raw}]",
-        ),
-        _parameters("velocity_smoother", "feedback: OPEN_LOOP"),
-        [],
-    ),
+    **{
+        f"two topics of which a short word or a number differs: {name}": (
+            _node("nav2_velocity_smoother", "velocity_smoother", remap=f"[{{from: cmd_vel, to: cmd_vel_nav}}, {name}]"),
+            _parameters("velocity_smoother", "feedback: OPEN_LOOP"),
+            [],
+        )
+        for name in ("{from: cmd_vel_smoothed, to: cmd_vel_raw}", "{from: cmd_vel_smoothed, to: cmd_vel_nav_2}")
+    },
     "a node of another package with a usual name": (
         _node("my_cameras", "camera_node", name="camera"),
         _parameters("camera", "video_device: /dev/video0"),
         ["hint LCH106"],
     ),
-    "two nodes of one name, each with an argument": (
-        "  - arg: {name: a, default: 'true'}\n  - arg: {name: b, default: 'false'}\n"
-        "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var a)}\n"
-        "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var b)}\n",
-        "",
-        [],
-    ),
+    **{
+        f"a launch file without a mistake: {text}": (text, "", [])
+        for text in (
+            "  - push_ros_namespace: {namespace: $(var ns)}\n  - arg: {name: ns, default: $(var ns)}\n",
+            "  - arg: {name: a, default: 'true'}\n  - arg: {name: b, default: 'false'}\n"
+            "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var a)}\n"
+            "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var b)}\n",
+        )
+    },
     "an own plugin": (
         "",
         _parameters("behavior_server", "behavior_plugins: [b]", "b: {plugin: my_behaviors/BackUp}", "max_radius: 2.0"),
@@ -660,7 +657,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         [],
     ),
     "a file of the robot": (
-        _node("robot_localization", "ekf_node", param="[{from: /etc/rover/ekf.yaml}]"),
+        _node("robot_localization", "ekf_node", param="[{from: /etc/a.yaml}]"),
         "",
         ["hint LCH102"],
     ),

@@ -170,7 +170,7 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
         if plugin not in catalogue.plugins and (near := all_nearest(plugin, catalogue.plugins, 0.85)):
             inner = plugin.partition("/")[2]
             same = [name for name in catalogue.plugins if name.endswith(f"/{inner}")]  # of another package
-            longer = [name for name in catalogue.plugins if name.startswith(plugin)]
+            longer = [name for name in catalogue.plugins if name.startswith(plugin) or plugin.startswith(name)]
             message = f"RViz has no display or tool '{plugin}'"
             system.findings.append(UnknownPlugin.at(place, message, did_you_mean(same or longer or near)))
     for rviz_topic in read.topics:
