@@ -600,11 +600,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         + _parameters("/rover/drive", "open_loop: true"),
         [],
     ),
-    "a folder for a file": (
-        _node("robot_localization", "ekf_node", param="[{from: $(dirname)}]"),
-        "",
-        ["warning LCH111"],
-    ),
+    "a folder": (_node("robot_localization", "ekf_node", param="[{from: $(dirname)}]"), "", ["warning LCH111"]),
     "an argument without a value": (
         "  - include: {file: $(dirname)/p.yaml}\n",
         "launch:\n  - arg: {name: map}\n",
@@ -656,11 +652,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "",
         [],
     ),
-    "a file of the robot": (
-        _node("robot_localization", "ekf_node", param="[{from: /etc/a.yaml}]"),
-        "",
-        ["hint LCH102"],
-    ),
+    "a file of the robot": (_node("rviz2", "rviz2", param="[{from: /etc/a.yaml}]"), "", ["hint LCH102"]),
     "a program of the robot": (
         "import shutil, subprocess\nfrom launch import LaunchDescription\ndef generate_launch_description():\n"
         "    {'rover': 1}[subprocess.check_output([shutil.which('rover-maps')])[:5].decode()]\n"
