@@ -629,6 +629,8 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
             "  - arg: {name: a, default: 'true'}\n  - arg: {name: b, default: 'false'}\n"
             "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var a)}\n"
             "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var b)}\n",
+            _node("rtabmap_odom", "rgbd_odometry", param="[{name: qos, value: 2}]")
+            + _node("rtabmap_slam", "rtabmap", param="[{name: qos, value: 2}]"),
         )
     },
     "an own plugin": (

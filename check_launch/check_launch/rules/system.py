@@ -27,6 +27,10 @@ _WITHOUT_NODES = frozenset({"rclcpp_components"})
 _CONTAINERS = ("component_container", "component_container_mt", "component_container_isolated")
 _QOS_VALUES = {"1": "reliable", "2": "best_effort", "0": "reliable"}
 """Values of RTAB-Map's parameters such as `qos_image` (rmw_qos_reliability_policy_t); 0 is reliable, too."""
+_QOS_DEFAULTS = {"$(qos_camera_info)": "$(qos_image)"} | {
+    f"$(qos_{name})": "$(qos)" for name in ("odom", "image", "scan", "user_data", "sensor_data")
+}
+"""Parameters of RTAB-Map whose values are the defaults of others (rtabmap_sync/src/CommonDataSubscriber.cpp)."""
 _QOS_PROFILES = {"SENSOR_DATA": "best_effort"}
 """Names of QoS profiles of the RealSense driver that are not reliable."""
 MAP_UPDATES = "map_msgs/msg/OccupancyGridUpdate"
@@ -392,7 +396,9 @@ def sources_of(rule: StartedRemapping, node: RunningNode) -> list[str]:
 
 
 def _reliability(view: ParameterView, prefix: str, endpoint: Endpoint) -> str:
-    text = view.text(endpoint.reliability, prefix) if endpoint.reliability else ""
+    named = endpoint.reliability
+    while (text := view.text(named, prefix) if named else "") is None and named in _QOS_DEFAULTS:
+        named = _QOS_DEFAULTS[named]
     if text is None:
         return "reliable" if endpoint.reliability.startswith("$(qos") else ""
     if endpoint.reliability.startswith("$("):
