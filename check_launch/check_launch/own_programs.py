@@ -47,7 +47,7 @@ def with_own_programs(catalogue: Catalogue, table_file: Path | None) -> Catalogu
         packages[table.package] = {f"{table.package}_node": table.bridge}
     rows = table.rows if table else {}
     own = {
-        package: Package(package, "", OWN_SOURCE, {name: f"{package}::{name}" for name in programs}, (), {})
+        package: Package(package, "", OWN_SOURCE, {name: f"{package}::{name}" for name in programs}, {}, {})
         for package, programs in packages.items()
     }
     classes = {

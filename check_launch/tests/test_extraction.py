@@ -14,7 +14,7 @@ _FILES = {
     "package.xml": "<package><name>my_layers</name><version>2.1.0</version></package>",
     "CMakeLists.txt": "project(my_layers)\nset(program my_server)\nadd_executable(${program} src/main.cpp)\n"
     "add_executable(my_listener src/listen.cpp)\n"
-    'rclcpp_components_register_nodes(my_core "my_layers::Server")\n',
+    'rclcpp_components_register_nodes(my_core "Server")\n',
     "plugins.xml": '<library path="p"><class name="my_layers/Rocks" type="my_layers::Rocks" '
     'base_class_type="nav2_costmap_2d::Layer"><description/></class></library>',
     "src/main.cpp": "int main(int argc, char ** argv) {\n  auto node = std::make_shared<my_layers::Server>();\n}\n",
@@ -113,7 +113,7 @@ def test_packages_have_versions_executables_and_components(catalogue: dict[str, 
     assert (package["version"], package["source"]) == ("2.1.0", "layers")
     assert len(catalogue["sources"]["layers"]["commit"]) == 40
     assert package["executables"] == {"my_listener": "my_layers::Listener", "my_server": "my_layers::Server"}
-    assert package["components"] == ["my_layers::Server"]
+    assert package["components"] == {"Server": "my_layers::Server"}
 
 
 def test_parameters_have_types_and_defaults(catalogue: dict[str, Any]) -> None:

@@ -154,6 +154,10 @@ _CASES: Mapping[str, Case] = {
         },
         ["a.launch:3:20: LCH103 in ROS 2 it is <node exec=...>"],
     ),
+    "parameters of ROS 1": (
+        {"a.launch": '<launch>\n  <arg name="r" doc="Hz"/>\n  <param name="rate" value="$(var r)"/>\n</launch>\n'},
+        ["a.launch:2:17: LCH103 in ROS 2 it is"],
+    ),
     "an argument that is not declared": (
         {"a.launch.xml": '<launch>\n  <node pkg="rviz2" exec="rviz2" name="$(var nam)"/>\n</launch>\n'},
         ["a.launch.xml:2:3: LCH104 declare it with `arg`"],
@@ -356,13 +360,14 @@ def test_programs_of_this_project_are_those_that_declare_a_node(
     node = NodeDeclaration("listener", (heard, told), (Parameter("<voice>.pitch", float, "pitch in Hz"),))
     monkeypatch.setattr(own_programs, "declared_nodes", lambda: {"listen_closely": node})
     program = "  - node: {pkg: rtt_slam, exec: %s, param: [{name: %s, value: 1.0}], remap: [{from: %s, to: b}]}\n"
-    write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitch", "heard")})
-    assert check("a_launch.yaml") == (0, [])
-    write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitch", "told/low")})
+    known = (program % ("listen_closely", "low.pitch", topic) for topic in ("heard", "told/low"))
+    write({"a_launch.yaml": "launch:\n" + "".join(known)})
     assert check("a_launch.yaml") == (0, [])
     write({"a_launch.yaml": "launch:\n" + program % ("listen_closely", "low.pitsch", "herd")})
-    misspelled = ["a_launch.yaml:2:64: PAR101", "a_launch.yaml:2:105: TOP101 did you mean 'heard'?"]
-    assert check("a_launch.yaml") == (1, misspelled)
+    assert check("a_launch.yaml")[1] == [
+        "a_launch.yaml:2:64: PAR101",
+        "a_launch.yaml:2:105: TOP101 did you mean 'heard'?",
+    ]
     write({"a_launch.yaml": "launch:\n" + program % ("objects_model_options", "a", "b")})
     assert check("a_launch.yaml") == (1, ["a_launch.yaml:2:5: LCH108 executables of rtt_slam: listen_closely"])
 
@@ -416,21 +421,19 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "",
         2 * ["hint LCH102"],
     ),
-    "parameters without ros__parameters": (
-        _node("robot_localization", "ekf_node", name="ekf"),
-        "ekf:\n  frequency: 30.0\n",
-        ["fatal LCH101"],
-    ),
-    "parameters beside ros__parameters": (
-        _node("robot_localization", "ekf_node", name="ekf"),
-        "ekf:\n  ros__parameters:\n  frequency: 30.0\n",
-        ["fatal LCH101"],
-    ),
-    "a parameter without a value": (
-        _node("robot_localization", "ekf_node", name="ekf"),
-        _parameters("ekf", "frequency:"),
-        ["fatal LCH101"],
-    ),
+    **{
+        f"a parameter file that the parser refuses: {text!r}": (
+            _node("robot_localization", "ekf_node", name="ekf"),
+            text,
+            ["fatal LCH101"],
+        )
+        for text in (
+            "ekf:\n  frequency: 30.0\n",
+            "ekf:\n  ros__parameters:\n  frequency: 30.0\n",
+            "ekf:\n  ros__parameters:\n    frequency:\n",
+            "ros__parameters:\n  ekf: {frequency: 30.0}\n",
+        )
+    },
     "too few values, which the node ignores and refuses": (
         "",
         _parameters("ekf_filter_node", "odom0: /odom", "initial_state: [0.0]", "odom0_config: [true, false]"),
@@ -445,11 +448,6 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _node("controller_manager", "ros2_control_node"),
         _parameters("controller_manager", "drive: {type: diff_drive_controller/DiffDriveController, update_rate: 5}"),
         ["warning PAR102 it belongs to the section 'drive'"],
-    ),
-    "parameters above the name of the node": (
-        _node("robot_localization", "ekf_node", name="ekf"),
-        "ros__parameters:\n  ekf: {frequency: 30.0}\n",
-        ["fatal LCH101"],
     ),
     "a plugin without a type": (
         "",
@@ -536,6 +534,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
             "Node(package='a', executable='b', parameters={})",
             "Node(package='a', executable='b', arguments=[0])",
             "[Node(package='a', executable='b')]",
+            "Node(package='a', executable='b', package='c')",
         )
     },
     "a condition that Python has compared": (
@@ -601,45 +600,39 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         + _parameters("/rover/drive", "open_loop: true"),
         [],
     ),
-    "a folder in place of a file": (
-        _node("robot_localization", "ekf_node", param="[{from: $(dirname)}]"),
-        "",
-        ["warning LCH111"],
-    ),
+    "a folder": (_node("robot_localization", "ekf_node", param="[{from: $(dirname)}]"), "", ["warning LCH111"]),
     "an argument without a value": (
         "  - include: {file: $(dirname)/p.yaml}\n",
         "launch:\n  - arg: {name: map}\n",
         ["error LCH104"],
     ),
-    "an argument that the user has to give": (
-        "  - push_ros_namespace: {namespace: $(var ns)}\n  - arg: {name: ns, default: $(var ns)}\n",
-        "",
-        [],
-    ),
     "nothing in place of a description": ("def generate_launch_description():\n    pass\n", "", ["fatal LCH101"]),
     # What is not known is not absent.
     "an action of another package": ("  - pyenv_node: {pkg: my_rover}\n", "", ["hint LCH103"]),
-    "two topics of which a short word differs": (
-        _node(
-            "nav2_velocity_smoother",
-            "velocity_smoother",
-            remap="[{from: cmd_vel, to: cmd_vel_nav}, {from: cmd_vel_smoothed, to: cmd_vel_raw}]",
-        ),
-        _parameters("velocity_smoother", "feedback: OPEN_LOOP"),
-        [],
-    ),
+    **{
+        f"two topics of which a short word or a number differs: {name}": (
+            _node("nav2_velocity_smoother", "velocity_smoother", remap=f"[{{from: cmd_vel, to: cmd_vel_nav}}, {name}]"),
+            _parameters("velocity_smoother", "feedback: OPEN_LOOP"),
+            [],
+        )
+        for name in ("{from: cmd_vel_smoothed, to: cmd_vel_raw}", "{from: cmd_vel_smoothed, to: cmd_vel_nav_2}")
+    },
     "a node of another package with a usual name": (
         _node("my_cameras", "camera_node", name="camera"),
         _parameters("camera", "video_device: /dev/video0"),
         ["hint LCH106"],
     ),
-    "two nodes of one name, each with an argument": (
-        "  - arg: {name: a, default: 'true'}\n  - arg: {name: b, default: 'false'}\n"
-        "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var a)}\n"
-        "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var b)}\n",
-        "",
-        [],
-    ),
+    **{
+        f"a launch file without a mistake: {text}": (text, "", [])
+        for text in (
+            "  - push_ros_namespace: {namespace: $(var ns)}\n  - arg: {name: ns, default: $(var ns)}\n",
+            "  - arg: {name: a, default: 'true'}\n  - arg: {name: b, default: 'false'}\n"
+            "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var a)}\n"
+            "  - node: {pkg: robot_localization, exec: ekf_node, if: $(var b)}\n",
+            _node("rtabmap_odom", "rgbd_odometry", param="[{name: qos, value: 2}]")
+            + _node("rtabmap_slam", "rtabmap", param="[{name: qos, value: 2}]"),
+        )
+    },
     "an own plugin": (
         "",
         _parameters("behavior_server", "behavior_plugins: [b]", "b: {plugin: my_behaviors/BackUp}", "max_radius: 2.0"),
@@ -661,17 +654,13 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "",
         [],
     ),
-    "a file of the robot": (
-        _node("robot_localization", "ekf_node", param="[{from: /etc/rover/ekf.yaml}]"),
-        "",
-        ["hint LCH102"],
-    ),
+    "a file of the robot": (_node("rviz2", "rviz2", param="[{from: /etc/a.yaml}]"), "", ["hint LCH102"]),
     "a program of the robot": (
         "import shutil, subprocess\nfrom launch import LaunchDescription\ndef generate_launch_description():\n"
-        "    if not subprocess.check_output([shutil.which('rover-maps')]):\n        raise RuntimeError\n"
+        "    {'rover': 1}[subprocess.check_output([shutil.which('rover-maps')])[:5].decode()]\n"
         "    return LaunchDescription()\n",
         "",
-        [],
+        ["hint LCH102"],
     ),
     "a parameter above an unknown launch file": (
         "  - set_parameter: {name: a, value: 1}\n  - include: {file: $(find-pkg-share a_rover)/launch/a.launch.py}\n"
@@ -807,8 +796,17 @@ def test_a_display_that_shows_nothing_is_found_in_a_complete_system(write: Write
         "robot_localization", "ekf_node"
     )
     config = f"Visualization Manager:\n  Displays:\n{shown}"
-    write({"a_launch.yaml": f"launch:\n{nodes}", "p.yaml": "{}", "a.rviz": config.replace("false", "true")})
-    assert check("a_launch.yaml")[1] == ["a.rviz:5:77: TOP106"]
+    write(
+        {
+            "a_launch.yaml": f"launch:\n{nodes}",
+            "p.yaml": "{}",
+            "a.rviz": config.replace("false", "true").replace("/Image", "/Imu"),
+        }
+    )
+    assert check("a_launch.yaml")[1] == [
+        "a.rviz:3:15: PLG101 did you mean 'rviz_imu_plugin/Imu'?",
+        "a.rviz:5:77: TOP106",
+    ]
     write({"a.rviz": config})
     assert check("a_launch.yaml") == (0, [])
     assert check("a_launch.yaml", "--complete")[1] == ["a.rviz:3:58: TOP102 topics of this type: /goal_pose"]

@@ -50,7 +50,7 @@ def read_catalogue(distribution: str) -> Catalogue:
                 facts["version"],
                 facts["source"],
                 facts["executables"],
-                tuple(facts["components"]),
+                facts["components"],
                 facts["launch_files"],
                 facts.get("is_partial", False),
             )

@@ -162,7 +162,8 @@ class Package:
     """Name of the source in `Catalogue.sources`."""
     executables: Mapping[str, str]
     """Name of the class of the node by the name of the executable; empty if the class is not known."""
-    components: tuple[str, ...]
+    components: Mapping[str, str]
+    """Name of the class of a node by the name that a container loads, as the build registers it."""
     launch_files: Mapping[str, Any]
     """Descriptions of the package's launch files by their paths in its share folder (see `expansion.stored`)."""
     is_partial: bool = False

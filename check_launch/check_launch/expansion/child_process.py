@@ -57,7 +57,7 @@ def results(work: Callable[[], Iterable[Result]], limits: Limits) -> Iterator[Re
     fork = multiprocessing.get_context("fork")  # the child has the catalogue, and all that the parent has read
     receiver, sender = fork.Pipe(duplex=False)
     with tempfile.TemporaryDirectory(prefix="check-launch-") as folder, receiver:
-        child = fork.Process(target=_child, args=(work, sender, folder, limits), daemon=True)
+        child = fork.Process(target=_child, args=(work, sender, receiver, folder, limits), daemon=True)
         with warnings.catch_warnings():
             # Python 3.12 warns of locks that other threads hold. The child takes none of theirs.
             warnings.simplefilter("ignore", DeprecationWarning)
@@ -129,8 +129,11 @@ def _reason(code: int | None) -> str:
     return f"it ended the process with exit code {code}"
 
 
-def _child(work: Callable[[], Iterable[Result]], sender: Connection, folder: str, limits: Limits) -> None:
+def _child(
+    work: Callable[[], Iterable[Result]], sender: Connection, receiver: Connection, folder: str, limits: Limits
+) -> None:
     """Do the work and send its results. Ends the process, also if threads of the work still run."""
+    receiver.close()  # so that sending fails if the parent has been killed, and this process ends, too
     os.setsid()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)  # the handlers of the command would raise in the launch file

@@ -104,6 +104,14 @@ _FOR_ALL: Mapping[str, str] = {"param": "set_parameter", "remap": "set_remap", "
 _OF_BOTH = frozenset({"arg", "env", "group", "include", "node", "param", "remap"})
 """Elements that ROS 1 has, too."""
 _ROS1_ELEMENTS = frozenset({"rosparam", "machine", "test"})
+_ROS1_ATTRIBUTES: Mapping[str, frozenset[str]] = {
+    "arg": frozenset({"doc"}),
+    "group": frozenset({"ns", "clear_params"}),
+    "include": frozenset({"ns", "clear_params", "pass_all_args"}),
+    "node": frozenset({"type", "machine", "required", "clear_params"}),
+    "param": frozenset({"command", "textfile", "binfile"}),
+}
+"""Attributes that ROS 1 alone has (http://wiki.ros.org/roslaunch/XML)."""
 _ROS1_TEXT = re.compile(r"\$\((?:arg|find)\s|\$\(eval\s.*\barg\(")
 _ROS2_TEXT = re.compile(r"\$\((?:var|dirname|find-pkg-\w+|find-exec|exec-in-\w+)\b")
 
@@ -124,6 +132,12 @@ def read_declarative(path: Path, shown: str) -> tuple[list[Action], list[Diagnos
     entities = read_entities(path, shown)
     inside = list(_all_of(entities))
     signs = [sign for entity in inside for sign in _signs_of_ros1(entity)]
+    signs += [
+        (child.place, "<param> outside of <node>")
+        for children in (entities, *(entity.children for entity in inside if entity.name not in _CHILDREN))
+        for child in children
+        if child.name == "param"
+    ]
     if path.suffix not in (".yaml", ".yml") and len(signs) > sum(map(_is_of_ros2, inside)):
         raise OfRos1Error(*signs[0])
     reader = _Reader()
@@ -140,9 +154,9 @@ def _signs_of_ros1(entity: Entity) -> Iterator[tuple[Span, str]]:
     """Yield places and texts that ROS 1 reads and ROS 2 refuses."""
     if entity.name in _ROS1_ELEMENTS:
         yield entity.place, f"<{entity.name}>"
-    if entity.name == "node" and "type" in entity.attributes and "exec" not in entity.attributes:
-        yield entity.attributes["type"].place, "<node type=...>"
-    for attribute in entity.attributes.values():
+    for name, attribute in entity.attributes.items():
+        if name in _ROS1_ATTRIBUTES.get(entity.name, ()):
+            yield attribute.place, f"<{entity.name} {name}=...>"
         if found := _ROS1_TEXT.search(str(attribute.value)):
             yield attribute.place, f"{found[0].split()[0]} ...)"
 

@@ -169,7 +169,7 @@ class PythonFile:
         if isinstance(error, NameError) and self._imports_all:
             return "perhaps a module gives it, of which the file imports all names"
         text = str(error)
-        if RUN_TIME in text or UNKNOWN_SHARE in text or self._has_opened_unknown:
+        if RUN_TIME in text or UNKNOWN_SHARE in text or self._has_opened_unknown or _Process.is_replaced:
             return "a file or text is not here"
         if isinstance(error, FileNotFoundError):  # perhaps one that the robot has, or that the build makes
             return "a file is not here"
@@ -221,7 +221,9 @@ def _parsed(path: Path, shown: str) -> ast.Module:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of escapes in a stranger's texts
-            return ast.parse(bounded_files.read(path), str(path))
+            tree = ast.parse(bounded_files.read(path), str(path))
+            compile(tree, str(path), "exec")  # refuses more than the grammar, such as an argument that is given twice
+            return tree
     except OSError as error:
         raise UnreadableFileError(Span(shown), f"cannot read the file: {error.strerror or error}") from error
     except SyntaxError as error:
@@ -267,11 +269,15 @@ def _which(program: str, *arguments: Any, **options: Any) -> str:
 class _Process(subprocess.Popen[Any]):
     """A process; instead of a program that is not installed here, one whose output is known at run time only."""
 
+    is_replaced = False
+    """True if a program is not installed here."""
+
     def __init__(self, args: Any, *rest: Any, **options: Any) -> None:
         try:
             super().__init__(args, *rest, **options)
         except FileNotFoundError:
             super().__init__(["echo", RUN_TIME], *rest, **options)  # raises if the folder is not there
+            _Process.is_replaced = True
 
 
 def _is_beside(module: Any, folder: Path) -> bool:

@@ -127,7 +127,9 @@ class Assembler:
         packages = {name: self._package(name, launch_files.get(name, {})) for name in sorted(self._packages)}
         self._add_programs_without_class()
         wanted = {
-            name for package in packages.values() for name in (*package.executables.values(), *package.components)
+            name
+            for package in packages.values()
+            for name in (*package.executables.values(), *package.components.values())
         }
         wanted |= {node.get("class", "") for nodes in self._supplement.nodes.values() for node in nodes}
         of_plugins = self._of_plugins = {plugin.class_name for plugin in plugins.values()}
@@ -180,7 +182,7 @@ class Assembler:
             if key.startswith(f"{name}/")
         }
         own = _in_package(name, "")
-        components = tuple(self._resolved(component, own) or component for component in facts.components)
+        components = {component: self._resolved(component, own) or component for component in facts.components}
         return Package(
             name,
             facts.version,
@@ -212,6 +214,7 @@ class Assembler:
         known = fitting or (
             [name for name in candidates if name.startswith(owner.partition("::")[0] + "::")] if owner else []
         )
+        fitting.sort(key=lambda name: not name.startswith(owner))  # of several, the one of the same package
         return known[0] if len(known) == 1 else fitting[0] if fitting else None
 
     def _joined(self, name: str, is_plugin: bool) -> NodeClass | None:

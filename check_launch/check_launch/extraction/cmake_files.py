@@ -47,10 +47,11 @@ class Built:
     """Words in the text of the files."""
 
 
-def built_by(folder: Path, classes: Mapping[str, ClassFacts]) -> Built:
+def built_by(folder: Path, classes: Mapping[str, ClassFacts], is_cmake: bool) -> Built:
     """Return what the build of the package in a folder makes.
 
-    ``classes`` are the classes of the package, to find the one that a program's main function uses.
+    ``classes`` are the classes of the package, to find the one that a program's main function uses. ``is_cmake`` says
+    that CMake builds the package, so that nothing runs its setup.py.
     """
     bases = {_short(name): {*map(_short, facts.bases)} for name, facts in classes.items()}
     nodes = {name for name, of in bases.items() if any(base.endswith("Node") for base in of)}
@@ -60,7 +61,7 @@ def built_by(folder: Path, classes: Mapping[str, ClassFacts]) -> Built:
     for path in sorted(folder.rglob("CMakeLists.txt")):
         if not {"test", "benchmark"} & set(path.relative_to(folder).parts):
             reader.read(path)
-    for name in ("setup.py", "setup.cfg"):
+    for name in ("setup.cfg",) if is_cmake else ("setup.py", "setup.cfg"):
         if (folder / name).is_file():
             reader.read_entry_points((folder / name).read_text(encoding="utf-8", errors="replace"), name)
     is_other = not any((folder / name).is_file() for name in ("CMakeLists.txt", "setup.py"))

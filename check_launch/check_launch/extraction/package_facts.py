@@ -76,7 +76,7 @@ def read_package(folder: Path) -> PackageFacts:
     manifest = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
     version = _VERSION.search(manifest)
     classes, python = facts_of_package(folder), python_nodes(folder)
-    built = built_by(folder, classes)
+    built = built_by(folder, classes, "<build_type>ament_cmake</build_type>" in manifest)
     programs = {
         program.name: python.of_module.get(program.module, "") if program.module else program.class_name
         for program in built.programs

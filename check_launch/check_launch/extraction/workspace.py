@@ -41,13 +41,15 @@ def with_workspace(catalogue: Catalogue, packages: Packages, file: Path | None =
     own = Assembler([checkout], read_supplement(), kept.read).catalogue(catalogue.distribution, {})
     kept.save()
     several = {
-        name: replace(package, executables={}, components=(), is_partial=True)
+        name: replace(package, executables={}, components={}, is_partial=True)
         for name, package in own.packages.items()
         if len(packages.copies[name]) > 1
     }
     names = {plugin.class_name for plugin in own.plugins.values()}
     names |= {
-        name for package in own.packages.values() for name in (*package.executables.values(), *package.components)
+        name
+        for package in own.packages.values()
+        for name in (*package.executables.values(), *package.components.values())
     }
     return replace(
         catalogue,

@@ -204,7 +204,9 @@ class Checker:
     ) -> Iterator[Diagnostic]:
         yield from expansion.findings
         for name, place in expansion.undeclared:
-            yield UndeclaredArgument.at(place, f"the argument '{name}' is not declared", "declare it with `arg`")
+            yield UndeclaredArgument.at(
+                place, f"the argument '{name}' is not declared", "declare it with `arg`, above its first use"
+            )
         for package, place in {**expansion.absent, **expansion.skipped}.items():
             known = {*self._catalogue.packages, *expansion.dependencies}
             if package not in known and (near := misspelt(package, known)):

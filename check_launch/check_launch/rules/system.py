@@ -10,7 +10,7 @@ from itertools import pairwise
 from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Package
 from check_launch.expansion.expander import Expansion, FileUse, StartedNode, StartedRemapping, joined
 from check_launch.expansion.parameter_files import GivenValue, Section
-from check_launch.misspellings import did_you_mean, misspelt, nearest
+from check_launch.misspellings import all_nearest, did_you_mean, misspelt, nearest
 from check_launch.rules.known_parameters import ParameterView
 from check_launch.rules.launch_rules import (
     MisspeltPackage,
@@ -27,6 +27,10 @@ _WITHOUT_NODES = frozenset({"rclcpp_components"})
 _CONTAINERS = ("component_container", "component_container_mt", "component_container_isolated")
 _QOS_VALUES = {"1": "reliable", "2": "best_effort", "0": "reliable"}
 """Values of RTAB-Map's parameters such as `qos_image` (rmw_qos_reliability_policy_t); 0 is reliable, too."""
+_QOS_DEFAULTS = {"$(qos_camera_info)": "$(qos_image)"} | {
+    f"$(qos_{name})": "$(qos)" for name in ("odom", "image", "scan", "user_data", "sensor_data")
+}
+"""Parameters of RTAB-Map whose values are the defaults of others (rtabmap_sync/src/CommonDataSubscriber.cpp)."""
 _QOS_PROFILES = {"SENSOR_DATA": "best_effort"}
 """Names of QoS profiles of the RealSense driver that are not reliable."""
 MAP_UPDATES = "map_msgs/msg/OccupancyGridUpdate"
@@ -167,9 +171,12 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
     if read is None:
         return
     for plugin, place in read.plugins:
-        if plugin not in catalogue.plugins and (near := nearest(plugin, catalogue.plugins, 0.85)):
+        if plugin not in catalogue.plugins and (near := all_nearest(plugin, catalogue.plugins, 0.85)):
+            inner = plugin.partition("/")[2]
+            same = [name for name in catalogue.plugins if name.endswith(f"/{inner}")]  # of another package
+            longer = [name for name in catalogue.plugins if name.startswith(plugin) or plugin.startswith(name)]
             message = f"RViz has no display or tool '{plugin}'"
-            system.findings.append(UnknownPlugin.at(place, message, did_you_mean(near)))
+            system.findings.append(UnknownPlugin.at(place, message, did_you_mean(same or longer or near)))
     for rviz_topic in read.topics:
         known = catalogue.plugins.get(rviz_topic.plugin)
         type_ = known.message_types[0] if known and len(known.message_types) == 1 else ""
@@ -271,7 +278,7 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System, dependenc
 
 def _component(plugin: str, package: Package, catalogue: Catalogue, system: System, at: Span) -> NodeClass | None:
     if plugin in package.components or package.is_partial:
-        facts = catalogue.classes.get(plugin)
+        facts = catalogue.classes.get(package.components.get(plugin, plugin))
         system.has_unknown |= facts is None or facts.is_partial
         return facts
     names = ", ".join(package.components) or "none"
@@ -389,7 +396,9 @@ def sources_of(rule: StartedRemapping, node: RunningNode) -> list[str]:
 
 
 def _reliability(view: ParameterView, prefix: str, endpoint: Endpoint) -> str:
-    text = view.text(endpoint.reliability, prefix) if endpoint.reliability else ""
+    named = endpoint.reliability
+    while (text := view.text(named, prefix) if named else "") is None and named in _QOS_DEFAULTS:
+        named = _QOS_DEFAULTS[named]
     if text is None:
         return "reliable" if endpoint.reliability.startswith("$(qos") else ""
     if endpoint.reliability.startswith("$("):

@@ -235,8 +235,8 @@ def _is_misspelling(topic: str, other: str, is_named: bool) -> bool:
     """Return true if a topic is likely another one, spelled wrongly.
 
     All parts but one are the same, and the last one differs by one or two letters. Topics with other numbers, such as
-    odom0 and odom1, are no misspellings of each other. ``is_named`` says that a launch file or a parameter file has
-    one of the names.
+    odom0 and odom1, or image and image_2, are no misspellings of each other. ``is_named`` says that a launch file or a
+    parameter file has one of the names.
     """
     if not is_named:
         return False
@@ -247,8 +247,7 @@ def _is_misspelling(topic: str, other: str, is_named: bool) -> bool:
     if len(different) != 1:
         return False
     a, b = different[0]
-    is_numbered = a.rstrip("0123456789") == b.rstrip("0123456789") and a[-1:].isdigit() and b[-1:].isdigit()
-    return not is_numbered and is_misspelling(a, b)
+    return a.rstrip("_0123456789") != b.rstrip("_0123456789") and is_misspelling(a, b)
 
 
 def _behind(node: RunningNode, system: System) -> list[str]:
@@ -318,7 +317,8 @@ def _without_effect(rule: StartedRemapping, nodes: list[RunningNode]) -> Diagnos
     known = [name for node in nodes for name in node.connections_before]
     wanted = full_name(source, nodes[0])
     near = nearest(wanted, known)
-    help = did_you_mean(near if source.startswith("/") else near.removeprefix(f"{nodes[0].namespace}/"))
+    relative = near.removeprefix(f"{nodes[0].namespace}/")
+    help = did_you_mean(near if source.startswith("/") or relative == source else relative)
     message = f"{nodes[0].name} has no topic, service or action '{source}'"
     finding = RemappingOfUnknownTopic.at(rule.place, message, help)
     texts = {text.strip("~/") for node in nodes if node.facts for text in node.facts.other_texts}
