@@ -25,6 +25,7 @@ from check_launch.extraction.git_sources import exported
 from check_launch.extraction.launch_files import launch_files_of
 from check_launch.extraction.supplement import read_supplement
 from roverlink.runtime.atomic_files import write_whole
+from roverlink.runtime.core.errors import SetupError
 
 _SOURCES = Path(__file__).with_name("sources.yaml")
 
@@ -37,13 +38,17 @@ def main() -> int:
     parser.add_argument("--sources", type=Path, default=_SOURCES, help="list of repositories (default: sources.yaml)")
     parser.add_argument("--output", type=Path, help="folder to write into (default: that of the catalogues)")
     arguments = parser.parse_args()
-    listed = yaml.safe_load(arguments.sources.read_text(encoding="utf-8"))
-    for name, stated in listed.items():
-        if not (arguments.folder / name).exists():
-            clone = ["git", "clone", "--quiet", "--bare", f"https://github.com/{stated['from']}", name]
-            subprocess.run(clone, cwd=arguments.folder, check=True)  # noqa: S603  # names of our own list
-    for distribution in arguments.distribution:
-        _extract(distribution, listed, arguments.folder, arguments.output)
+    try:
+        listed = yaml.safe_load(arguments.sources.read_text(encoding="utf-8"))
+        for name, stated in listed.items():
+            if not (arguments.folder / name).exists():
+                clone = ["git", "clone", "--quiet", "--bare", f"https://github.com/{stated['from']}", name]
+                subprocess.run(clone, cwd=arguments.folder, check=True)  # noqa: S603  # names of our own list
+        for distribution in arguments.distribution:
+            _extract(distribution, listed, arguments.folder, arguments.output)
+    except (OSError, SetupError, subprocess.CalledProcessError, yaml.YAMLError) as error:
+        print(f"cannot extract: {error}", file=sys.stderr)
+        return 2
     return 0
 
 
