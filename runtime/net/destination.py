@@ -112,7 +112,8 @@ class Destination:
     @property
     def addresses(self) -> tuple[SocketAddress, ...]:
         """Addresses to which datagrams are sent."""
-        return tuple(way.target.address for way in self._used)
+        with self._lock:  # a change is told only when no datagram goes to the address before
+            return tuple(way.target.address for way in self._used)
 
     @property
     def is_reachable(self) -> bool:
