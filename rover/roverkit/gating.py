@@ -24,7 +24,7 @@ FALSE_ALARM = 1e-3
 _CHANCE = 1e-9
 """Probability of refused inputs in a row from which chance does not explain them: that of three of them."""
 _RECENT = 10
-"""Innovations that are looked at together."""
+"""Most innovations that are looked at together."""
 PATIENCE_NS = 10_000_000_000
 """Time in nanoseconds without a result after which the reason is said."""
 
@@ -60,16 +60,26 @@ class RecentInnovations:
     def __init__(self) -> None:
         """Begin without an innovation."""
         self._found = deque[tuple[float, int]](maxlen=_RECENT)
+        self._passed = 0
+        """Number of innovations since the last one that did not pass the gate."""
 
-    def add(self, squared: float, freedom: int) -> None:
-        """Add a normalized squared innovation with some degrees of freedom."""
+    def add(self, squared: float, freedom: int, passes: bool) -> None:
+        """Add a normalized squared innovation with some degrees of freedom, and whether it passes the gate."""
         self._found.append((min(squared, gate_limit(freedom)), freedom))
+        self._passed = self._passed + 1 if passes else 0
 
     @property
     def probability(self) -> float:
-        """Probability of the last innovations by chance; 1 before there are enough."""
-        squared, freedom = map(sum, zip(*self._found)) if len(self._found) == _RECENT else (0.0, 0)
-        return chi_squared_tail(squared, freedom)
+        """Least probability by chance of the last innovation, the last two, and so on.
+
+        If one does not pass the gate, it and those before it count only if there are ten: it has a reason of its own.
+        """
+        squared, freedom, least = 0.0, 0, 1.0
+        for number, (one, of_one) in enumerate(reversed(self._found), 1):
+            squared, freedom = squared + one, freedom + of_one
+            if number <= self._passed or number == _RECENT:
+                least = min(least, chi_squared_tail(squared, freedom))
+        return least
 
     @property
     def variance_factor(self) -> float:

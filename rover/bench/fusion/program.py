@@ -47,7 +47,9 @@ class Program:
         connection.middleware = self._middleware = MemoryMiddleware()
         self._now = 0
         connection.clock = SimpleNamespace(now=lambda: self._now)  # the time of the drive
-        arguments = argparse.Namespace(base_frame="base_link", json=False, datum=[*datum, 0.0] if datum else None)
+        arguments = argparse.Namespace(
+            base_frame="base_link", json=False, mean_slip=0.02, datum=[*datum, 0.0] if datum else None
+        )
         fusion = Fusion(connection, landmarks, arguments, logger)
         fusion.receive(DETECTIONS.name, Pose(np.eye(3), np.zeros(3)))
         self._publishers = {

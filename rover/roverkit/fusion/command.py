@@ -19,6 +19,7 @@ from pathlib import Path
 
 from roverkit.fusion.fusion_declaration import NODE
 from roverkit.node.program import node_arguments
+from roverkit.odometry.dead_reckoning import OdometryNoise
 from roverlink.console import OK, Subparsers, add_middleware, documented_command, parsed_number
 
 
@@ -48,6 +49,14 @@ def add(commands: Subparsers) -> None:
         "the east (default: GPS is not used)",
     )
     parser.add_argument(
+        "--mean-slip",
+        type=_part,
+        default=OdometryNoise().mean_slip,
+        metavar="PART",
+        help="standard deviation of the mean slip, as a part of the distance: the parameter mean_slip of `roverlink "
+        "odometry` (default: %(default)s)",
+    )
+    parser.add_argument(
         "--base-frame",
         default="base_link",
         metavar="NAME",
@@ -69,3 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _finite(text: str) -> float:
     return parsed_number(text, float, math.isfinite, "a finite number, such as 50.06")
+
+
+def _part(text: str) -> float:
+    return parsed_number(text, float, lambda part: 0 <= part < math.inf, "a number from 0 on, such as 0.02")

@@ -16,6 +16,8 @@ from roverkit.fusion.planar_gaussian import Floats, rotation
 from roverkit.fusion.slipping_motion import STATES, SlippingMotion
 
 _POSE, _ERRORS = slice(0, 3), slice(3, STATES)
+_FLOOR = np.diag([1e-3] * STATES) ** 2
+"""Least covariance of a motion: a millimetre and a milliradian. GTSAM cannot invert that of an exact motion."""
 
 
 def motion_factor(start: int, end: int, motion: SlippingMotion) -> Any:
@@ -35,7 +37,7 @@ def motion_factor(start: int, end: int, motion: SlippingMotion) -> Any:
         errors = before[_ERRORS]
         return np.concatenate([missed - motion.by_errors @ errors, after[_ERRORS] - motion.kept * errors])
 
-    return gtsam.CustomFactor(gtsam.noiseModel.Gaussian.Covariance(motion.covariance), [start, end], error)
+    return gtsam.CustomFactor(gtsam.noiseModel.Gaussian.Covariance(motion.covariance + _FLOOR), [start, end], error)
 
 
 def detection_factor(key: int, landmark: int, place: PlanarPose, noise: Any) -> Any:

@@ -13,8 +13,8 @@ The errors of the odometry (`slipping_motion`) are parts of each pose's variable
 one motion to the next one. So a motion of the graph is short, also while nothing is seen (`follow`).
 
 Errors of sightings that last are in the covariance, but are not estimated (`lasting_errors`). Sightings from nearly one
-place have the same errors, and are not used. The graph grows with the way of the rover, by up to 4 poses a metre and 7
-a radian, and as many for each landmark that is seen alone.
+place have the same errors. They are used only if they tell the motion since the last one better than the odometry. So
+the graph grows with the way of the rover, and not while it stands.
 """
 
 from __future__ import annotations
@@ -31,9 +31,17 @@ from roverkit.driving.arcs import PlanarPose
 from roverkit.fusion.field_factors import detection_factor, motion_factor, pose2, state_factor
 from roverkit.fusion.gtsam_library import gtsam
 from roverkit.fusion.landmark_agreement import agreeing
-from roverkit.fusion.lasting_errors import PASSING, UNKNOWN, corrected, lasting_error
+from roverkit.fusion.lasting_errors import PASSING, UNKNOWN, corrected, lasting_error, sighted
 from roverkit.fusion.odometry_track import OdometryPoint
-from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, adjoint, rotation, squared_distance, squared_way
+from roverkit.fusion.planar_gaussian import (
+    Floats,
+    PlanarGaussian,
+    adjoint,
+    is_covariance,
+    rotation,
+    squared_distance,
+    squared_way,
+)
 from roverkit.fusion.slipping_motion import ERRORS, pose_of, state_of
 from roverkit.gating import Reasons, RecentInnovations, gate_limit
 
@@ -182,7 +190,7 @@ class FieldGraph(Generic[T]):
 
         Does nothing if the image is older than the last one, shows nothing new, or shows no surveyed landmark.
         """
-        detections = {landmark: place for landmark, place in detections.items() if self._is_new(landmark, point)}
+        detections = {landmark: place for landmark, place in detections.items() if self._is_new(landmark, place, point)}
         if not detections:
             return
         self._used.update(dict.fromkeys(detections, point))
@@ -191,7 +199,7 @@ class FieldGraph(Generic[T]):
             # The landmark that is seen best is believed until others contradict.
             best = min(detections, key=lambda landmark: float(np.trace(detections[landmark].covariance)))
             self._trusted = frozenset({best})
-            predicted = expected = self._supposed or self._surveyed[best] @ detections[best].inverse()
+            predicted = self._supposed or self._surveyed[best] @ detections[best].inverse()
             prior = self._supposed.covariance if self._supposed else UNKNOWN
             start = state_of(predicted.pose, np.zeros(ERRORS))
             factors.add(state_factor(first := gtsam.symbol("x", 0), 3, start[3:], _ANY_ERRORS))
@@ -200,12 +208,13 @@ class FieldGraph(Generic[T]):
                 factors.add(state_factor(first, 0, start[:3], noise))
         else:
             predicted = self._predicted(point)
-            expected, prior = self._expected(predicted, point), predicted.covariance
+            prior = predicted.covariance
             start = self._follow(point, factors)
         key = self._add_pose(point, start, values)
+        lasting = self._lasting
         grown = False
         for landmark, place in detections.items():
-            sighting, sight = _Sighting(key, point, place), expected @ place
+            sighting, sight = _Sighting(key, point, place), sighted(predicted, lasting, place)
             if self._fits(landmark, sight, 3 if place.covariance[2, 2] < _ANY_YAW else 2):
                 self._strange.pop(landmark, None)
                 if landmark in self._trusted:
@@ -260,7 +269,7 @@ class FieldGraph(Generic[T]):
             freedom,
             f"it is {known.pose.distance_to(sight.pose):.2f} m beside its place",
         )
-        self._recent.add(squared, freedom)
+        self._recent.add(squared, freedom, fits)
         was_unlikely, self._is_unlikely = self._is_unlikely, self._recent.probability < _UNLIKELY
         if self._is_unlikely and not was_unlikely:
             self._reasons.tell(f"the last sightings fit worse than chance allows: {CAUSES}")
@@ -344,12 +353,20 @@ class FieldGraph(Generic[T]):
         self._add_pose(point, self._follow(point, factors), values)
         self._solve(factors, values)
 
-    def _is_new(self, landmark: T, point: OdometryPoint) -> bool:
-        """Return true if a sighting at a point of the odometry tells something new about a surveyed landmark."""
+    def _is_new(self, landmark: T, place: PlanarGaussian, point: OdometryPoint) -> bool:
+        """Return true if a sighting at a point of the odometry tells something new about a surveyed landmark.
+
+        It does at another place of the rover, where its errors are others. It also does if the odometry since the last
+        one is less exact, in any direction, than the difference of the two, which has the passing errors of both: then
+        it tells how far the rover has moved.
+        """
         if landmark not in self._surveyed or (self._last is not None and point.stamp <= self._last.stamp):
             return False
-        used = self._used.get(landmark)
-        return used is None or _is_apart(used, point)
+        if (used := self._used.get(landmark)) is None or _is_apart(used, point):
+            return True
+        by_pose = adjoint(place.pose.inverse())
+        moved = by_pose @ used.motion_to(point).gaussian.covariance @ by_pose.T
+        return not is_covariance(2 * PASSING * place.covariance - moved)
 
     def _follow(self, point: OdometryPoint, factors: Any) -> Floats:
         """Add the motion since the last pose to the factors, and return the state that follows from it."""

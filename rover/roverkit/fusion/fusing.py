@@ -83,6 +83,7 @@ class Fusion:
     ) -> None:
         self._connection, self._landmarks, self._logger = connection, landmarks, logger
         self._base, self._datum, self._print = arguments.base_frame, arguments.datum, json_printer(arguments.json)
+        self._mean_slip = arguments.mean_slip
         self._clock = connection.clock
         self._lock = threading.Lock()
         self.reasons = Reasons(logger.warning)
@@ -108,7 +109,7 @@ class Fusion:
         replace(DETECTIONS, name=name).subscribe(self._connection.middleware, self._connection.topic, take)
 
     def _start(self) -> None:
-        self._track = OdometryTrack()
+        self._track = OdometryTrack(self._mean_slip)
         self._forget_pose()
         self._covariance: list[float] = []
         self._without_covariance: UnknownCovariance | None = None

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, rotation
+from roverkit.fusion.planar_gaussian import Floats, PlanarGaussian, adjoint, rotation
 
 _LASTING = 0.5
 """Part of the variance of a sighting that is the same in all sightings: half, because nothing tells more or less."""
@@ -35,6 +35,18 @@ def lasting_error(place: PlanarGaussian) -> Floats:
     deviations = np.sqrt(_LASTING * np.diag(polar.T @ place.covariance @ polar))
     error: Floats = polar * deviations
     return error
+
+
+def sighted(pose: PlanarGaussian, lasting: Floats, place: PlanarGaussian) -> PlanarGaussian:
+    """Return the place of a landmark on the field by a pose, and by its place in the frame of the rover.
+
+    ``pose`` has the covariance without the errors that last, and ``lasting`` is its derivative by them. A landmark that
+    is seen again is where it was by the last sighting, since these errors are the same.
+    """
+    carried = adjoint(place.pose.inverse())
+    error = carried @ lasting - lasting_error(place)
+    covariance = carried @ pose.covariance @ carried.T + PASSING * place.covariance + error @ error.T
+    return PlanarGaussian(pose.pose @ place.pose, covariance)
 
 
 def corrected(prior: Floats, lasting: Floats, by_pose: Floats, spread: Floats, error: Floats) -> tuple[Floats, Floats]:

@@ -48,6 +48,8 @@ class OdometryPoint:
     """Negative logarithm of the correlation of the yaw's error with that of the track's begin; the track sets it."""
     slip: float = math.nan
     """Variance of the relative error of the speed; not a number if it is not known."""
+    mean_slip: float = 0.0
+    """Standard deviation of the mean of this error, which stays the same; the track sets it."""
     slipped: tuple[float, float] = (0.0, 0.0)
     """Variances of the distance and of the motion sideways since the track began, in m^2; the track sets them."""
     speed: float = 0.0
@@ -69,7 +71,7 @@ class OdometryPoint:
             slipped = (growth - growth[2, 2] * np.outer(lever, lever))[:2, :2]
         else:
             slipped = np.diag(np.subtract(later.slipped, self.slipped))
-            mean_slip = OdometryNoise().mean_slip
+            mean_slip = later.mean_slip
         before, after = (math.sqrt(max(point.covariance[2, 2], 0.0)) for point in (self, later))
         yaw = YawError(before, after, math.exp(self.forgotten - later.forgotten))
         return slipping_motion(moved, slipped, yaw, mean_slip)
@@ -101,7 +103,9 @@ def _correlation(before: OdometryPoint, after: OdometryPoint) -> float:
 class OdometryTrack:
     """Odometry of the last seconds."""
 
-    def __init__(self) -> None:
+    def __init__(self, mean_slip: float) -> None:
+        """Begin without a point. ``mean_slip`` is the standard deviation of the mean slip, as a part of the way."""
+        self._mean_slip = mean_slip
         self._points: list[OdometryPoint] = []
 
     @property
@@ -127,6 +131,7 @@ class OdometryTrack:
             point = replace(
                 point,
                 slip=slip,
+                mean_slip=self._mean_slip,
                 forgotten=newest.forgotten - math.log(_correlation(newest, point)),
                 slipped=(
                     ahead + (0.0 if math.isnan(slip) else slip * distance),
@@ -155,14 +160,13 @@ class OdometryTrack:
             before.pose.y + part * (after.pose.y - before.pose.y),
             before.pose.yaw + part * turn,
         )
-        return OdometryPoint(
-            stamp,
-            pose,
-            before.covariance + part * (after.covariance - before.covariance),
-            after.yaw_rate_variance,
-            before.forgotten + part * (after.forgotten - before.forgotten),
-            after.slip,
-            tuple((1 - part) * np.array(before.slipped) + part * np.array(after.slipped)),
+        return replace(
+            after,
+            stamp=stamp,
+            pose=pose,
+            covariance=before.covariance + part * (after.covariance - before.covariance),
+            forgotten=before.forgotten + part * (after.forgotten - before.forgotten),
+            slipped=tuple((1 - part) * np.array(before.slipped) + part * np.array(after.slipped)),
         )
 
 

@@ -27,8 +27,6 @@ STATES = 5
 """Size of the rover's state: x, y, yaw, and the errors of the odometry that last: those of the yaw, and mean slip."""
 ERRORS = STATES - 3
 _POSE = slice(0, 3)
-_FLOOR = np.diag([1e-3] * STATES) ** 2
-"""Least covariance of a motion: a millimetre and a milliradian. GTSAM cannot invert that of an exact motion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +82,8 @@ def slipping_motion(pose: PlanarPose, growth: Floats, yaw: YawError, mean_slip: 
     by_errors[:, 0] = lever * (yaw.correlation * yaw.after - yaw.before)
     back = pose.inverse()
     by_errors[:2, 1] = mean_slip * np.array([back.x, back.y])
-    covariance = _FLOOR.copy()
-    covariance[:2, :2] += _nearest(growth)
+    covariance = np.zeros((STATES, STATES))
+    covariance[:2, :2] = _nearest(growth)
     new = np.concatenate([lever * yaw.after, [1, 0]])
     covariance += (1 - yaw.correlation**2) * np.outer(new, new)
     return SlippingMotion(pose, by_errors, np.array([yaw.correlation, 1.0]), covariance)

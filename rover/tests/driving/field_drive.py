@@ -81,7 +81,10 @@ class FieldDrive:
         self._fixes = middleware.publisher(f"/{FIX.name}", sensor_msgs.NavSatFix, Qos())
         datum = self.model.settings.gps.datum
         arguments = argparse.Namespace(
-            base_frame="base_link", json=False, datum=[datum.latitude, datum.longitude, 0.0] if gps else None
+            base_frame="base_link",
+            json=False,
+            mean_slip=0.02,
+            datum=[datum.latitude, datum.longitude, 0.0] if gps else None,
         )
         said = logger or logging.getLogger("fusion of a test")
         connection = RosConnection(ros_args.parse([], "fusion"), "memory", stack, said.warning)

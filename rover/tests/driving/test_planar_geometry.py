@@ -42,7 +42,7 @@ _rotations = st.tuples(_angles, _angles, _angles).map(lambda angles: rotation_of
 @given(_gaussians, _gaussians, st.floats(0.0, 1.0))
 def test_a_motion_is_what_odometry_has_added(start: PlanarGaussian, motion: PlanarGaussian, known: float) -> None:
     """The yaw keeps the variance of the odometry, also if its error is the same before and after the motion."""
-    whole, track = start @ motion, OdometryTrack()
+    whole, track = start @ motion, OdometryTrack(0.02)
     deviations = [math.sqrt(one.outer_covariance[2, 2]) for one in (start, whole)]
     apart = known * (deviations[1] - deviations[0]) ** 2 + (1 - known) * (deviations[1] ** 2 - deviations[0] ** 2)
     for stamp, place, variance in ((10**9, start, 0.0), (2 * 10**9, whole, apart)):
@@ -53,8 +53,8 @@ def test_a_motion_is_what_odometry_has_added(start: PlanarGaussian, motion: Plan
     found = before.motion_to(after)
     assert (found.pose.x, found.pose.y) == pytest.approx((motion.pose.x, motion.pose.y), abs=1e-9)
     assert math.remainder(found.pose.yaw - motion.pose.yaw, 2 * math.pi) == pytest.approx(0, abs=1e-9)
-    assert found.gaussian.covariance[2, 2] == pytest.approx(apart, abs=2e-6)  # the least covariance is added
-    assert (np.linalg.eigvalsh(found.covariance) > 0).all()
+    assert found.gaussian.covariance[2, 2] == pytest.approx(apart, abs=1e-9)
+    assert (np.linalg.eigvalsh(found.covariance) > -1e-9).all()
 
 
 @given(_gaussians, _gaussians, _angles)
@@ -161,7 +161,7 @@ def test_the_landmarks_that_agree_are_those_that_nobody_moved(
 
 def test_odometry_that_was_started_again_begins_a_new_track() -> None:
     """Its pose jumps, or its time; a repeated point changes nothing."""
-    track = OdometryTrack()
+    track = OdometryTrack(0.02)
     at = [OdometryPoint(10**9 * second, PlanarPose(2.0 * second), np.eye(3), 1.0) for second in range(20)]
     assert all(track.add(point) for point in at)
     assert track.add(at[-1])
@@ -170,6 +170,15 @@ def test_odometry_that_was_started_again_begins_a_new_track() -> None:
     assert track.at(12_500_000_000) is None
     assert track.newest is not None
     assert not track.add(OdometryPoint(10**9, PlanarPose(), np.eye(3), 1.0))
+
+
+def test_the_slip_that_stays_the_same_is_a_part_of_each_motion() -> None:
+    """It lengthens or shortens the way by the part that is given, if the message tells the slip that varies."""
+    track = OdometryTrack(0.1)
+    points = [OdometryPoint(10**9 * n, PlanarPose(2.0 * n), np.eye(3), 1.0, slip=1e-4) for n in range(2)]
+    assert all(track.add(point) for point in points)
+    assert track.newest is not None
+    assert abs(points[0].motion_to(track.newest).by_errors[0, 1]) == pytest.approx(0.2)
 
 
 def test_sightings_in_between_tell_hardly_more_about_a_landmark() -> None:
@@ -186,10 +195,22 @@ def test_sightings_in_between_tell_hardly_more_about_a_landmark() -> None:
     assert variances[0] > max(2e-4, 0.8 * variances[1])
 
 
+@pytest.mark.parametrize(("growth", "x"), [(1e-8, 0.01), (1e-2, 0.05)])
+def test_a_sighting_from_nearly_one_place_corrects_a_coarse_odometry(growth: float, x: float) -> None:
+    """It puts the rover where it is, 4 cm from its place by odometry; beside an exact odometry it tells nothing new."""
+    graph = FieldGraph({7: PlanarGaussian(PlanarPose(4.0), 1e-6 * np.eye(3))}, Reasons())
+    for n, true in enumerate((0.0, 0.05)):
+        point = OdometryPoint(10**9 * (n + 1), PlanarPose(0.01 * n), (n + 1) * growth * np.eye(3), growth)
+        graph.see({7: PlanarGaussian(PlanarPose(4.0 - true), 4e-4 * np.eye(3))}, point)
+    found = graph.pose(point)
+    assert found is not None
+    assert found.pose.x == pytest.approx(x, abs=0.005)
+
+
 def test_innovations_that_are_too_large_tell_by_how_much_the_variances_are_too_small() -> None:
     """A single one counts only up to the gate; as many as expected, or smaller ones, change nothing."""
     recent = RecentInnovations()
     for squared, times, factor in ((1e6, 1, gate_limit(2) / 4 + 0.5), (2.0, 10, 1.0), (12.0, 10, 122 / 22)):
         for _ in range(times):
-            recent.add(squared, 2)
+            recent.add(squared, 2, passes=True)
         assert recent.variance_factor == pytest.approx(factor)
