@@ -13,6 +13,8 @@ from typing import Any
 
 OWN_SOURCE = "roverlink"
 """Source of the packages of this project, in `Package.source`."""
+WORKSPACE_SOURCE = "workspace"
+"""Source of the packages of a workspace."""
 Scalar = str | int | float | bool
 Value = Scalar | list[Any] | None
 

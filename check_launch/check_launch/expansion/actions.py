@@ -142,8 +142,8 @@ class StartNode(Action):
     namespace: Text | None = None
     parameters: list[GivenParameter | GivenFile] = field(default_factory=list)
     remappings: list[Remapping] = field(default_factory=list)
-    arguments: list[Text] = field(default_factory=list)
-    ros_arguments: list[Text] = field(default_factory=list)
+    arguments: list[Text] | str = field(default_factory=list)
+    ros_arguments: list[Text] | str = field(default_factory=list)
 
 
 @dataclass(slots=True)
@@ -158,7 +158,7 @@ class LoadNodes(Action):
 class Execute(Action):
     """Run a program that is no node of a package."""
 
-    command: list[Text] = field(default_factory=list)
+    command: list[Text] | str = field(default_factory=list)
 
 
 @dataclass(slots=True)

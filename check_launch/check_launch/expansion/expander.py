@@ -298,7 +298,7 @@ class _Run:
         self.context = Context(packages, dict(arguments), dict(expander.environment))
         self.result = Expansion(dict(arguments))
         self._depth = self._includes = 0
-        self._skips = 0  # includes of files that are not here
+        self._skips = 0  # includes of files that are not here, and parts that are switched off
         self._path = ""  # path of the launch file whose actions are expanded
         self._included_at = Span("")  # place of the include of that file
         self.without_default: set[str] = set()
@@ -368,6 +368,8 @@ class _Run:
                 self._report(UnknownAction, action.place, f"the action has no option '{option}'", did_you_mean(near))
             if self._holds(action):
                 self._one(action)
+            elif isinstance(action, Include | Group | Opaque):
+                self._skips += 1  # what is there with other values may declare more arguments
 
     def _holds(self, action: Action) -> bool:
         """Return true if the condition of an action holds, or if it is not known."""
@@ -592,6 +594,10 @@ class _Run:
             else:
                 has_unknown_files = True
         arguments = [self._text(argument) for argument in action.arguments]
+        if isinstance(action.arguments, str) and len(action.arguments) > 1:
+            message = "'arguments' is one text, of which each letter becomes a word: `launch` takes a list of words"
+            help = f"write {action.arguments.split()}"
+            self.result.findings.append(as_warning(UnknownAction.at(action.place, message, help)))
         remappings = [
             StartedRemapping(
                 self._text(remapping.source), self._text(remapping.target), remapping.place, remapping.target_place
@@ -648,7 +654,8 @@ class _Run:
             if text and (match := wrong.search(text)):
                 reason = "a part begins with a digit" if match[0].lstrip("/").isdigit() else f"it contains '{match[0]}'"
                 help = f"write '{re.sub(r'[^A-Za-z0-9_/~]', '_', text)}'" if "digit" not in reason else ""
-                self._report(InvalidName, place, f"ROS 2 refuses '{text}' as the name of a {kind}: {reason}", help)
+                finding = InvalidName.at(place, f"ROS 2 refuses '{text}' as the name of a {kind}: {reason}", help)
+                self.result.findings.append(as_hint(finding) if "$" in text else finding)  # perhaps of a template
 
     def _values(self, name: Any, value: Any, place: Span, is_text: bool) -> Iterator[GivenValue]:
         text = self._text(name)

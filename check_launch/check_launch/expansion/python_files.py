@@ -30,6 +30,8 @@ from roverlink.generator.diagnostics import Span
 
 _FUNCTION = "generate_launch_description"
 _OPEN, _FIND = open, shutil.which
+_OF_CODE = (NameError, TypeError, AttributeError, ImportError)
+"""Errors of which the code is the cause, whoever raises them."""
 _RAISE = re.compile(r"(?:^|[:;]\s*)raise\b")
 
 
@@ -173,13 +175,13 @@ class PythonFile:
             return "a file or text is not here"
         if isinstance(error, FileNotFoundError):  # perhaps one that the robot has, or that the build makes
             return "a file is not here"
-        return "the launch file itself refuses to go on" if self._is_refusal(error) else ""
-
-    def _is_refusal(self, error: BaseException) -> bool:
-        """Return true if code of the workspace refuses values of arguments, or what it finds on this computer."""
         last = traceback.extract_tb(error.__traceback__)[-1]
         is_own = last.filename == str(self._path) or self._packages.holds(last.filename)
-        return isinstance(error, SystemExit) or (is_own and _RAISE.search(last.line or "") is not None)
+        if isinstance(error, SystemExit) or (is_own and _RAISE.search(last.line or "")):
+            return "the launch file itself refuses to go on"  # with values of arguments, or on this computer
+        return (
+            "" if is_own or isinstance(error, _OF_CODE) else "a library refuses a value, perhaps on this computer only"
+        )
 
     def _place(self, error: BaseException) -> Span:
         frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(self._path)]

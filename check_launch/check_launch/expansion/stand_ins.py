@@ -571,10 +571,10 @@ def _text(what: str, text: Any) -> Any:
     return text
 
 
-def _words(option: str, words: Any) -> list[Any]:
-    """Return the words of a command line. Raises `TypeError` if one of them is no text."""
+def _words(option: str, words: Any) -> list[Any] | str:
+    """Return the words of a command line; each letter of one text is a word. Raises `TypeError` for other words."""
     if isinstance(words, str):
-        raise TypeError(f"'{option}' must be a list of texts, not one text")
+        return words
     found: list[Any] = _text(f"'{option}'", list(words or ()))
     return found
 

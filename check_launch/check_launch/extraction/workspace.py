@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from check_launch.catalogue.facts import Catalogue, Source
+from check_launch.catalogue.facts import WORKSPACE_SOURCE, Catalogue, Source
 from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.source_trees import source_folders
 from check_launch.extraction.assembling import Assembler, Checkout
@@ -23,9 +23,6 @@ from check_launch.extraction.supplement import read_supplement
 from roverlink import bounded_files
 from roverlink.runtime.atomic_files import write_whole
 from roverlink.user_cache import CacheFile
-
-WORKSPACE_SOURCE = "workspace"
-"""Source of the packages of a workspace, in `Package.source`."""
 
 
 def with_workspace(catalogue: Catalogue, packages: Packages, file: Path | None = None) -> Catalogue:

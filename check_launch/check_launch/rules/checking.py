@@ -167,7 +167,7 @@ class Checker:
     ) -> None:
         """Check a launch file; with ``wanted``, only if it gives one of these parameter files to a node."""
         expansions = self._expander.variants(path, arguments)
-        systems = [system_of(expanded, self._catalogue) for expanded in expansions]
+        systems = [system_of(expanded, self._catalogue, expanded is not expansions[0]) for expanded in expansions]
         if wanted is not None and not any(
             use.shown in wanted for system in systems for node in system.nodes for use in node.started.files
         ):

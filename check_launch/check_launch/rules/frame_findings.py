@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from check_launch.misspellings import did_you_mean, misspelt
-from check_launch.rules.launch_rules import FrameFromOutside, FramePublishedTwice, FrameWithoutTransform
-from check_launch.rules.system import RunningNode, System
+from check_launch.rules.launch_rules import FrameFromOutside, FramePublishedTwice, FrameWithoutTransform, as_warning
+from check_launch.rules.system import RunningNode, System, of_nodes
 from roverlink.generator.diagnostics import Diagnostic
 
 
@@ -35,13 +35,14 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool, is_varied: bool) -> Iter
         for other_parent, other in others:
             if is_varied and other.full_name == first.full_name:
                 continue  # alternatives of one name: whoever sets this argument sets that of the other one, too
-            yield FramePublishedTwice.at(
+            finding = FramePublishedTwice.at(
                 other.started.place,
                 f"{other.name} publishes the transform from '{other_parent}' to '{child}', and {first.name} "
                 f"the one from '{parent}'",
                 "let only one of them publish it, such as with the parameter publish_tf",
                 also=[(first.started.place, f"{first.name} publishes it")],
             )
+            yield of_nodes(finding, first, other)
     roots = {frame: _root(frame, publishers) for frame in frames}
     for node in nodes:
         looked_up = [(frame, place) for frame, place in node.frames if frame]
@@ -51,13 +52,15 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool, is_varied: bool) -> Iter
             near = misspelt(frame, frames)
             message = f"{node.name} looks up the frame '{frame}', but nothing publishes it"
             if near or is_closed:
-                yield FrameWithoutTransform.at(place, message, did_you_mean(near))
+                finding = FrameWithoutTransform.at(place, message, did_you_mean(near))
+                yield of_nodes(finding, node) if is_closed else as_warning(finding)
             else:
                 yield FrameFromOutside.at(place, f"{message} in these launch files")
         known = [(frame, place) for frame, place in looked_up if frame in roots]
         if is_closed and len({roots[frame] for frame, _ in known}) > 1:
             names = " and ".join(f"'{frame}'" for frame, _ in known)
-            yield FrameWithoutTransform.at(known[0][1], f"{node.name} looks up {names}, but no transforms connect them")
+            message = f"{node.name} looks up {names}, but no transforms connect them"
+            yield of_nodes(FrameWithoutTransform.at(known[0][1], message), node)
 
 
 def _root(frame: str, publishers: dict[str, list[tuple[str, RunningNode]]]) -> str:

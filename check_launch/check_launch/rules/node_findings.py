@@ -20,7 +20,7 @@ from check_launch.rules.launch_rules import (
     as_warning,
 )
 from check_launch.rules.stated_facts import stated_facts
-from check_launch.rules.system import RunningNode, System
+from check_launch.rules.system import RunningNode, System, of_nodes
 from roverlink.generator.diagnostics import Diagnostic
 from roverlink.numerals import counted
 
@@ -184,7 +184,8 @@ def _of_lifecycle(manager: RunningNode, system: System, distribution: str) -> It
             near = [other for other in running if is_misspelling(name, other) and other not in given.value]
             if near:
                 message = f"{waits}: no node has this name"
-                yield NotManaged.at(given.place, message, did_you_mean(sorted(near)))
+                yield as_warning(NotManaged.at(given.place, message, did_you_mean(sorted(near))))
         elif {node.started.package, f"{node.started.package}@{distribution}"} & set(stated_facts().without_lifecycle):
             message = f"{waits}: it has no lifecycle"
-            yield NotManaged.at(given.place, message, "remove it from node_names; it starts by itself")
+            finding = NotManaged.at(given.place, message, "remove it from node_names; it starts by itself")
+            yield of_nodes(finding, manager, node)

@@ -347,7 +347,8 @@ def _unknown_plugin(plugin: LoadedPlugin, at: Span, catalogue: Catalogue) -> Dia
         return UnknownPlugin.at(at, message, did_you_mean(same))
     package = re.split(r"::|/", type_)[0]
     if likely := sorted(name for name in (*fitting, *short) if is_misspelling(type_, name)):
-        return UnknownPlugin.at(at, message, did_you_mean(likely))
+        finding = UnknownPlugin.at(at, message, did_you_mean(likely))
+        return finding if package in catalogue.packages or package == type_ else as_warning(finding)
     if longer := sorted(name for name in short if type_ and name.startswith(type_)):  # without its ending, `Critic`
         return UnknownPlugin.at(at, message, did_you_mean(longer))
     if package in catalogue.packages or (package == type_ and not plugin.slot.spellings):

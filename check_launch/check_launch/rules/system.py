@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from check_launch.catalogue.facts import Catalogue, Endpoint, NodeClass, Package
+from check_launch.catalogue.facts import WORKSPACE_SOURCE, Catalogue, Endpoint, NodeClass, Package
 from check_launch.expansion.expander import Expansion, FileUse, StartedNode, StartedRemapping, joined
 from check_launch.expansion.parameter_files import GivenValue, Section
 from check_launch.misspellings import all_nearest, did_you_mean, misspelt, nearest
@@ -18,6 +18,7 @@ from check_launch.rules.launch_rules import (
     UnknownPackage,
     UnknownPlugin,
     as_hint,
+    as_warning,
 )
 from check_launch.rules.rviz_files import read_rviz_file
 from check_launch.rules.stated_facts import stated_facts
@@ -65,6 +66,8 @@ class RunningNode:
     namespace: str
     is_inner: bool = False
     """True for a node that another node creates."""
+    is_certain: bool = False
+    """True if the catalogue describes the node, all its parameters are here, and no argument is varied to start it."""
     has_known_name: bool = True
     """False if the node's program gives a name that is not known, or if it is known at run time only."""
     view: ParameterView | None = None
@@ -94,6 +97,15 @@ class System:
     """True if nodes run that the catalogue does not know, or that were not expanded."""
 
 
+def of_nodes(finding: Diagnostic, *nodes: RunningNode) -> Diagnostic:
+    """Return an error about what nodes do together, or a warning if something about one of them is not certain.
+
+    `launch`, a parser or a node refuses what one file says. That data does not flow follows from facts about each node,
+    and those that are read from the sources of a workspace, or that hold with a varied argument only, may be wrong.
+    """
+    return finding if all(node.is_certain for node in nodes) else as_warning(finding)
+
+
 Use = tuple[str, Span]
 """A name, such as that of a parameter, and the place where a file uses it."""
 
@@ -110,8 +122,11 @@ class Variants:
     """Kind and topic of each publisher and subscriber."""
 
 
-def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
-    """Return the nodes that an expanded launch file starts, and findings about packages and executables."""
+def system_of(expansion: Expansion, catalogue: Catalogue, is_varied: bool = False) -> System:
+    """Return the nodes that an expanded launch file starts, and findings about packages and executables.
+
+    ``is_varied`` says that one argument has another value than its default, which nobody has asked for.
+    """
     system = System(has_unknown=bool(expansion.skipped) or expansion.runs_programs)
     for started in expansion.nodes:
         facts = _facts(started, catalogue, system, expansion.dependencies)
@@ -119,13 +134,17 @@ def system_of(expansion: Expansion, catalogue: Catalogue) -> System:
         name = started.name or usual or (started.executable or started.plugin or "node").rpartition("::")[2]
         namespace = started.namespace if started.namespace is not None else ""
         is_known = started.namespace is not None and bool(started.name or (started.name == "" and usual))
-        node = RunningNode(started, facts, name, _absolute(namespace), has_known_name=is_known)
+        source = catalogue.packages[started.package or ""].source if facts else WORKSPACE_SOURCE
+        is_certain = source != WORKSPACE_SOURCE and not (is_varied or started.has_unknown_files)
+        node = RunningNode(started, facts, name, _absolute(namespace), False, is_certain, is_known)
         system.nodes.append(node)
         for inner in facts.nodes if facts else ():
             inner_facts = catalogue.classes.get(inner.class_name)
             if not inner.type_parameter:
                 inner_namespace = joined(node.namespace, inner.namespace)
-                system.nodes.append(RunningNode(started, inner_facts, inner.name, inner_namespace, True, is_known))
+                system.nodes.append(
+                    RunningNode(started, inner_facts, inner.name, inner_namespace, True, is_certain, is_known)
+                )
     for node in system.nodes:  # grows: a node may load others
         node.sections = [
             (use, section) for use in node.started.files for section in use.sections if section.matches(node.full_name)
@@ -157,7 +176,7 @@ def _loaded_nodes(node: RunningNode, catalogue: Catalogue, system: System) -> It
                     system.findings.append(UnknownPlugin.at(given.place, message, did_you_mean(near)))
                 facts = catalogue.classes.get(plugin.class_name) if plugin else None
                 is_known = match[1] not in renamed
-                yield RunningNode(node.started, facts, match[1], node.namespace, True, has_known_name=is_known)
+                yield RunningNode(node.started, facts, match[1], node.namespace, True, node.is_certain, is_known)
 
 
 def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> None:
@@ -176,7 +195,8 @@ def _complete_rviz(node: RunningNode, catalogue: Catalogue, system: System) -> N
             same = [name for name in catalogue.plugins if name.endswith(f"/{inner}")]  # of another package
             longer = [name for name in catalogue.plugins if name.startswith(plugin) or plugin.startswith(name)]
             message = f"RViz has no display or tool '{plugin}'"
-            system.findings.append(UnknownPlugin.at(place, message, did_you_mean(same or longer or near)))
+            finding = UnknownPlugin.at(place, message, did_you_mean(same or longer or near))
+            system.findings.append(as_warning(finding))  # RViz starts in spite of it
     for rviz_topic in read.topics:
         known = catalogue.plugins.get(rviz_topic.plugin)
         type_ = known.message_types[0] if known and len(known.message_types) == 1 else ""
@@ -398,9 +418,10 @@ def sources_of(rule: StartedRemapping, node: RunningNode) -> list[str]:
 def _reliability(view: ParameterView, prefix: str, endpoint: Endpoint) -> str:
     named = endpoint.reliability
     while (text := view.text(named, prefix) if named else "") is None and named in _QOS_DEFAULTS:
-        named = _QOS_DEFAULTS[named]
-    if text is None:
-        return "reliable" if endpoint.reliability.startswith("$(qos") else ""
+        named = "" if view.is_given(named, prefix) else _QOS_DEFAULTS[named]
+    if text is None:  # of qos_imu, whose default is that of qos in some nodes only
+        is_default = not view.is_partial and not {prefix + "qos", prefix + named[2:-1]} & view.given.keys()
+        return "reliable" if is_default and named.startswith("$(qos") else ""
     if endpoint.reliability.startswith("$("):
         return _QOS_VALUES.get(text) or _QOS_PROFILES.get(text, "reliable")
     return text

@@ -16,6 +16,7 @@ from check_launch.rules.launch_rules import (
     TopicWithoutPublisher,
     TopicWithoutSubscriber,
     as_hint,
+    as_warning,
 )
 from check_launch.rules.system import (
     MAP_UPDATES,
@@ -25,6 +26,7 @@ from check_launch.rules.system import (
     Use,
     Variants,
     full_name,
+    of_nodes,
     sources_of,
 )
 from roverlink.generator.diagnostics import Diagnostic
@@ -115,12 +117,13 @@ def _of_types(connections: list[Connection]) -> Iterator[Diagnostic]:
         ]
         if wrong and len(wrong) == len(publishers):
             other = wrong[0]
-            yield DifferentTypes.at(
+            finding = DifferentTypes.at(
                 subscriber.place,
                 f"{subscriber.node.name} subscribes to '{subscriber.topic}' as {subscriber.endpoint.type}, but "
                 f"{other.node.name} publishes {other.endpoint.type}",
                 also=[(other.place, f"{other.node.name} publishes it")],
             )
+            yield of_nodes(finding, subscriber.node, other.node)
 
 
 def _of_qos(connections: list[Connection]) -> Iterator[Diagnostic]:
@@ -130,11 +133,12 @@ def _of_qos(connections: list[Connection]) -> Iterator[Diagnostic]:
                 continue
             wanted = _unmet(end, other)
             if wanted:
-                yield IncompatibleQos.at(
+                finding = IncompatibleQos.at(
                     end.place,
                     f"{end.node.name} gets nothing from {other.node.name} on '{end.topic}': {wanted}",
                     also=[(other.place, f"{other.node.name} publishes it")],
                 )
+                yield of_nodes(finding, end.node, other.node)
 
 
 def _unmet(subscriber: Connection, publisher: Connection) -> str:
@@ -194,16 +198,17 @@ def _missing(
     if near:
         end = fitting[near[0]]
         also = [(end.place, f"{end.node.name} has '{near[0]}'")]
-        return rule.at(connection.place, message + interruption, did_you_mean(near[0]), also)
+        finding = rule.at(connection.place, message + interruption, did_you_mean(near[0]), also)
+        return of_nodes(finding, connection.node) if is_closed else as_warning(finding)
     full = {full_name(name, connection.node) for of_kind, name in known if of_kind == kind}
     if is_closed and (connection.is_needed or not _may_be_missing(topic, connection, full)):
         help = f"topics of this type: {', '.join(sorted(fitting))}" if fitting else ""
-        return rule.at(connection.place, message + interruption, help)
+        return of_nodes(rule.at(connection.place, message + interruption, help), connection.node)
     of_programs = [
         name for name in full if connection.is_named and topic not in full and _is_misspelling(topic, name, True)
     ]
     if of_programs:
-        return rule.at(connection.place, message, did_you_mean(min(of_programs)))
+        return as_warning(rule.at(connection.place, message, did_you_mean(min(of_programs))))
     return TopicFromOutside.at(connection.place, f"{message} in these launch files")
 
 
