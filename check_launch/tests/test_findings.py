@@ -516,7 +516,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         "",
         ["hint LCH102", "error LCH105 write 'True' with quotation marks"],
     ),
-    "a misspelt package in a path": (_INCLUDE % ("rtabmap_lauch", "a.launch.py", ""), "", ["error LCH107"]),
+    "a misspelt package in a path": (_INCLUDE % ("rtabmap_lauch", "a.launch.py", ""), "", ["warning LCH107"]),
     "keyword arguments that no node has, and that nodes had": (
         _PYTHON_NODE.replace("name='filter'", "naem='filter', node_name='filter'"),
         "",

@@ -309,7 +309,7 @@ class _Run:
         self._depth += 1
         self._includes += 1
         if self._depth > _DEEPEST:
-            raise UnreadableFileError(place, "launch files include each other without end")
+            raise EndlessExpansionError(place, "launch files include each other without end")
         if self._includes > _MOST_INCLUDES:
             raise EndlessExpansionError(place, f"launch files are included more than {_MOST_INCLUDES} times")
         before, self._path, self._included_at = (self._path, self._included_at), path, place

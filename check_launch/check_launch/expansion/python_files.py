@@ -31,7 +31,8 @@ from roverlink.generator.diagnostics import Span
 _FUNCTION = "generate_launch_description"
 _OPEN, _FIND = open, shutil.which
 _OF_CODE = (NameError, TypeError, AttributeError, ImportError)
-"""Errors of which the code is the cause, whoever raises them."""
+_OF_VALUES = (LookupError, ValueError, OSError)
+"""Errors of which the code is the cause, whoever raises them, and those that depend on values."""
 _RAISE = re.compile(r"(?:^|[:;]\s*)raise\b")
 
 
@@ -179,9 +180,8 @@ class PythonFile:
         is_own = last.filename == str(self._path) or self._packages.holds(last.filename)
         if isinstance(error, SystemExit) or (is_own and _RAISE.search(last.line or "")):
             return "the launch file itself refuses to go on"  # with values of arguments, or on this computer
-        return (
-            "" if is_own or isinstance(error, _OF_CODE) else "a library refuses a value, perhaps on this computer only"
-        )
+        is_of_code = isinstance(error, _OF_CODE) or (is_own and not isinstance(error, _OF_VALUES))
+        return "" if is_of_code else "perhaps with these values of arguments, or on this computer, only"
 
     def _place(self, error: BaseException) -> Span:
         frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(self._path)]

@@ -16,6 +16,7 @@ from check_launch.extraction.python_nodes import python_nodes
 from check_launch.extraction.source_texts import texts_of_sources
 
 _VERSION = re.compile(r"<version>\s*([\w.-]+)\s*</version>")
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 @dataclass(slots=True)
@@ -73,7 +74,7 @@ def _parameter(data: Any) -> ParameterFact:
 
 def read_package(folder: Path) -> PackageFacts:
     """Read the files of the package in a folder."""
-    manifest = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
+    manifest = _COMMENT.sub("", (folder / "package.xml").read_text(encoding="utf-8", errors="replace"))
     version = _VERSION.search(manifest)
     classes, python = facts_of_package(folder), python_nodes(folder)
     built = built_by(folder, classes, "<build_type>ament_cmake</build_type>" in manifest)

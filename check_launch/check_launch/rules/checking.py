@@ -31,6 +31,7 @@ from check_launch.rules.launch_rules import (
     UnknownParameter,
     UnreadableLaunchFile,
     as_hint,
+    as_warning,
 )
 from check_launch.rules.node_findings import node_findings
 from check_launch.rules.parameter_findings import parameter_findings, used_parameters
@@ -60,6 +61,8 @@ class Checked:
     """Paths of launch files that were evaluated to their end, by themselves or as parts of others."""
     of_ros1: set[str] = field(default_factory=set)
     """Paths of launch files that only ROS 1 reads."""
+    undeclared: set[Span] = field(default_factory=set)
+    """Places where launch files use arguments that they do not declare."""
     used: set[Span] = field(default_factory=set)
     """Places of parameters that a node of a launch file has."""
     parameter_files: int = 0
@@ -140,7 +143,12 @@ class Checker:
         kept = [one for one in checked.findings if one.span not in checked.used or one.rule not in _OF_ONE_NODE]
         of_others = sections.of_others
         kept = [as_hint(one) if one.span in of_others and one.rule in _OF_ONE_NODE else one for one in kept]
-        checked.findings = [_of_included(finding, launch_files) for finding in kept]
+        checked.findings = [
+            _of_included(one, launch_files)
+            if one.span in checked.undeclared and one.rule is UndeclaredArgument
+            else one
+            for one in kept
+        ]
         checked.parameter_files = len(parameter_files)
         checked.read = len(sections.read_files & set(parameter_files))
         checked.findings = in_order(_once(checked.findings))
@@ -191,6 +199,7 @@ class Checker:
         for expanded, system in zip(expansions, systems, strict=True):
             varied = ((name, value) for name, value in expanded.arguments.items() if name not in arguments)
             chosen = " ".join(f"{name}:={'...' if value is None else value}" for name, value in varied)
+            checked.undeclared |= {place for _, place in expanded.undeclared}
             for finding in self._of_expansion(expanded, system, variants, complete, bool(chosen)):
                 if _key(finding) in known or (chosen and finding.severity is Severity.HINT):
                     continue
@@ -204,9 +213,9 @@ class Checker:
     ) -> Iterator[Diagnostic]:
         yield from expansion.findings
         for name, place in expansion.undeclared:
-            yield UndeclaredArgument.at(
-                place, f"the argument '{name}' is not declared", "declare it with `arg`, above its first use"
-            )
+            message = f"the argument '{name}' is not declared"
+            help = "declare it with `arg`, above its first use"
+            yield as_warning(UndeclaredArgument.at(place, message, help))  # a user may give it
         for package, place in {**expansion.absent, **expansion.skipped}.items():
             known = {*self._catalogue.packages, *expansion.dependencies}
             if package not in known and (near := misspelt(package, known)):
@@ -236,8 +245,6 @@ def _loaders(parameter_file: Path) -> Iterator[Path]:
 
 def _of_included(finding: Diagnostic, launch_files: Iterable[Path]) -> Diagnostic:
     """Return an undeclared argument as a hint if another launch file names the file, and so may give the argument."""
-    if finding.rule is not UndeclaredArgument or finding.severity is not Severity.ERROR:
-        return finding
     own = Path(finding.span.file)
     others = (path for path in launch_files if shown_path(str(path)) != finding.span.file)
     return as_hint(finding) if any(own.name in _text_of(path) for path in others) else finding

@@ -57,8 +57,8 @@ class UnknownAction(Rule, id="LCH103"):
 class UndeclaredArgument(Rule, id="LCH104"):
     """A launch file uses an argument that it does not declare, or gives one to a launch file that does not have it.
 
-    `ros2 launch` stops at the use of an undeclared argument. It ignores an argument that the included launch file does
-    not have, so that the value has no effect.
+    `ros2 launch` stops at the use of an undeclared argument, unless the user gives it. It ignores an argument that the
+    included launch file does not have, so that the value has no effect.
 
     Bad::
 
@@ -101,7 +101,7 @@ class UnknownPackage(Rule, id="LCH106", severity=Severity.HINT):
     """
 
 
-class MisspeltPackage(Rule, id="LCH107"):
+class MisspeltPackage(Rule, id="LCH107", severity=Severity.WARNING):
     """A package is not in the catalogue, but one with nearly the same name is.
 
     Bad::

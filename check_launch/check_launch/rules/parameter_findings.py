@@ -134,8 +134,9 @@ def view_findings(
     for group, listed in dict.fromkeys(filter(None, found)):
         inside = [given for given in unknown if given.name.startswith(f"{group}.")]
         unknown = [given for given in unknown if given not in inside]
-        finding = _of_group(group, listed, inside, view)
-        yield as_hint(finding) if is_unsure else finding
+        if inside:  # not reported with a group around this one
+            finding = _of_group(group, listed, inside, view)
+            yield as_hint(finding) if is_unsure else finding
     for given in unknown[:_MOST_UNKNOWN]:
         if own := view.loaded_node(given.name):
             message = f"'{given.name}' has no effect here in {shown}: '{own}' is a node of its own"
