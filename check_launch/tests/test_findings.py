@@ -523,9 +523,9 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         ["error LCH103 did you mean 'name'?"] * 2,
     ),
     "a keyword argument that no declaration has": (
-        _ACTIONS % "DeclareLaunchArgument('a', default='1')",
+        _ACTIONS % "DeclareLaunchArgument('a', default='1'), Node(package='a', executable='b', arguments='-d a')",
         "",
-        ["error LCH103 did you mean 'default_value'?"],
+        ["error LCH103 did you mean 'default_value'?", "hint LCH106", "warning LCH103 write ['-d', 'a']"],
     ),
     **{
         f"what launch refuses: {text}": (_ACTIONS % text, "", ["fatal LCH101"])
@@ -545,9 +545,9 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     ),
     "a list in place of a description": ("def generate_launch_description():\n    return []\n", "", ["fatal LCH101"]),
     "a name that ROS 2 refuses": (
-        _node("rviz2", "rviz2", name="my-rviz", param=""),
+        _node("rviz2", "rviz2", name="my-rviz", param="") + _node("rviz2", "rviz2", name="$ROBOT", param=""),
         "",
-        ["error LCH112 write 'my_rviz'"],
+        ["error LCH112 write 'my_rviz'", "hint LCH112"],
     ),
     "elements of ROS 1": (
         "  - remap: {from: a, to: b}\n  - node: {pkg: rviz2, type: rviz2, params: [{name: a}]}\n",
@@ -644,10 +644,13 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         ["hint PAR101"],
     ),
     "a file with a part of the parameters": ("", _parameters("controller_server", "FollowPath: {vx_max: 1.0}"), []),
-    "parameters of a library": (
+    "parameters of a library": ("", _parameters("rtabmap", "diagnostic_updater.period: 0.5"), []),
+    "two parents of a frame, by default and with an argument": (
+        "  - arg: {name: a, default: 'false'}\n"
+        + _node("robot_localization", "ekf_node", param="")
+        + _node("rtabmap_odom", "rgbd_odometry", param="", **{"if": "$(var a)"}),
         "",
-        _parameters("rtabmap", "diagnostic_updater.period: 0.5", "frame_id: base_link"),
-        [],
+        ["warning FRM101"],
     ),
     "displays that are not known": (
         _node("rviz2", "rviz2", args="-d /etc/a.rviz", param="[{name: robot_description_semantic, value: a}]"),

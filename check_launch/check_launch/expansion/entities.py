@@ -89,17 +89,25 @@ def _of_yaml(text: str, shown: str) -> Iterator[Entity]:
         yield from _yaml_entity(item, shown)
 
 
-def compose(text: str, shown: str) -> yaml.Node | None:
-    """Return the nodes of a YAML text, which know their lines and columns. Raises `UnreadableFileError`."""
+def compose(text: str, shown: str, of_parameters: bool = False) -> yaml.Node | None:
+    """Return the nodes of a YAML text, which know their lines and columns. Raises `UnreadableFileError`.
+
+    ``of_parameters`` joins the documents of a text: rcl_yaml_param_parser reads all of them (Jazzy, run).
+    """
     try:
         _check_size(text, shown)
-        return yaml.compose(text, Loader=FAST_LOADER)
+        roots = list(yaml.compose_all(text, FAST_LOADER)) if of_parameters else [yaml.compose(text, FAST_LOADER)]
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Span(shown, mark.line + 1, mark.column + 1) if mark else Span(shown)
         raise UnreadableFileError(place, f"not valid YAML: {error.problem or error.context}") from error
     except yaml.YAMLError as error:
         raise UnreadableFileError(Span(shown), f"not valid YAML: {error}") from error
+    first, *others = roots or [None]
+    for other in others:
+        if isinstance(first, yaml.MappingNode) and isinstance(other, yaml.MappingNode):
+            first.value += other.value
+    return first
 
 
 def _check_size(text: str, shown: str) -> None:

@@ -79,7 +79,7 @@ class ParameterFile:
     def __init__(self, path: Path, shown: str) -> None:
         """Read the file; ``shown`` is its name in places. Raises `UnreadableFileError`."""
         text = text_of_file(path, shown)
-        self._root, self._shown = compose(text, shown), shown
+        self._root, self._shown = compose(text, shown, of_parameters=True), shown
         refusals = chain(_without_node(self._root, shown), _refusals(self._root, shown, False), _aliases(text, shown))
         self.refused = next(refusals, None)
         """First message and place of what rcl_yaml_param_parser refuses; rewriting the file removes it."""
