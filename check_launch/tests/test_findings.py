@@ -525,7 +525,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     "a keyword argument that no declaration has": (
         _ACTIONS % "DeclareLaunchArgument('a', default='1'), Node(package='a', executable='b', arguments='-d a')",
         "",
-        ["error LCH103 did you mean 'default_value'?", "hint LCH106", "warning LCH103 write ['-d', 'a']"],
+        ["error LCH103 did you mean 'default_value'?", "warning LCH103 write ['-d', 'a']"],
     ),
     **{
         f"what launch refuses: {text}": (_ACTIONS % text, "", ["fatal LCH101"])
