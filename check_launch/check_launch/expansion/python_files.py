@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import errno
 import io
 import os
 import re
@@ -176,6 +177,8 @@ class PythonFile:
             return "a file or text is not here"
         if isinstance(error, FileNotFoundError):  # perhaps one that the robot has, or that the build makes
             return "a file is not here"
+        if isinstance(error, OSError) and error.errno == errno.EFBIG:
+            return ""  # the limit of this check
         last = traceback.extract_tb(error.__traceback__)[-1]
         is_own = last.filename == str(self._path) or self._packages.holds(last.filename)
         if isinstance(error, SystemExit) or (is_own and _RAISE.search(last.line or "")):
