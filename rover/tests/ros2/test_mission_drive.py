@@ -225,22 +225,25 @@ def world(judge: Judge, start: Start) -> Iterator[_World]:
 
 
 @pytest.fixture
-def measured_world(judge: Judge, start: Start, tmp_path: Path) -> Iterator[_World]:
-    """A world with odometry and fusion, whose pose is known already."""
+def measured_world(judge: Judge, start: Start, tmp_path: Path, middleware: str) -> Iterator[_World]:
+    """A world with odometry and fusion over a middleware, whose pose is known already."""
     landmarks, cameras = write_field(tmp_path, _CAMERA)
     files = ("--landmarks", landmarks, "--cameras", cameras)
-    rclpy = ("--middleware", "rclpy", "--ros-args", *_SIMULATED)
+    options = ("--middleware", middleware, "--ros-args", *_SIMULATED)
     with ExitStack() as held:
         world = _MeasuredWorld(judge)
-        start("odometry", *rclpy).wait_for("odometry on /odometry/wheel")
-        start("fuse", *files, *rclpy).wait_for("waiting for /odometry/wheel")
+        start("odometry", *options).wait_for("odometry on /odometry/wheel")
+        start("fuse", *files, *options).wait_for("waiting for /odometry/wheel")
         _opened(world, judge, start, held)
         wait_until(lambda: world.pose is not None, "two landmarks that agree")
         yield world
 
 
 def test_odometry_and_fusion_lead_the_rover_to_all_goals(measured_world: _World, start: Start, tmp_path: Path) -> None:
-    """With slip, lost datagrams and a landmark that was moved, the rover ends at each of four goals."""
+    """With slip, lost datagrams and a landmark that was moved, the rover ends at each of four goals.
+
+    Odometry and fusion use either middleware.
+    """
     goals, world = [(1.5, 1.5), (-1.5, 1.5), (-1.5, -1.5), (1.5, -1.5)], measured_world
     (tmp_path / "mission.yaml").write_text(json.dumps({"goals": [{"position": goal} for goal in goals]}))
     program = start("mission", "run", tmp_path / "mission.yaml", "--json", "--ros-args", *_SIMULATED)
