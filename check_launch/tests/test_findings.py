@@ -523,9 +523,14 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         ["error LCH103 did you mean 'name'?"] * 2,
     ),
     "a keyword argument that no declaration has": (
-        _ACTIONS % "DeclareLaunchArgument('a', default='1'), Node(package='a', executable='b', arguments='-d a')",
+        _ACTIONS
+        % "DeclareLaunchArgument('a', default='1'),\n Node(package='rviz2', executable='rvi2', arguments='-h a')",
         "",
-        ["error LCH103 did you mean 'default_value'?", "warning LCH103 write ['-d', 'a']"],
+        [
+            "error LCH103 did you mean 'default_value'?",
+            "warning LCH103 write ['-h', 'a']",
+            "error LCH108 did you mean 'rviz2'?",
+        ],
     ),
     **{
         f"what launch refuses: {text}": (_ACTIONS % text, "", ["fatal LCH101"])

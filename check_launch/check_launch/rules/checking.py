@@ -223,7 +223,11 @@ class Checker:
             elif package in expansion.skipped:
                 message = f"the launch files of '{package}' are not here; what they start is not checked"
                 yield NotExpanded.at(place, message)
-        refused = {finding.span for finding in expansion.findings if finding.rule is UnknownAction}
+        refused = {
+            finding.span
+            for finding in expansion.findings
+            if finding.rule is UnknownAction and finding.severity is not Severity.WARNING
+        }
         yield from (finding for finding in system.findings if finding.span not in refused)
         yield from parameter_findings(system, variants)
         yield from node_findings(system)
