@@ -296,7 +296,7 @@ def test_requests_through_a_bridge_are_answered(done: Start, tmp_path: Path) -> 
     code, output, errors = done("simulate", "--project", project, "--bridge", "memory", "--seconds", 2, "--json")
     assert (code, errors) == (0, "")
     account = json.loads(output)["bridge"]["by_payload"]
-    assert account["published"]["gripped"] == account["sent"]["grip"] > 0
+    assert 0 < account["published"]["gripped"] <= account["sent"]["grip"]  # the last ones may not be answered any more
 
 
 @pytest.mark.slow

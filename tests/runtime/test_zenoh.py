@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
+from itertools import count
 from typing import Any
 from unittest.mock import ANY
 
@@ -223,39 +224,39 @@ def test_what_a_link_held_back_is_no_command(
     messages = [drive.to_cdr(drive.payload_type(distance_to_go=number)) for number in range(8)]
     seen = _gathered(join("basestation"), "/drive_motor", DrivingBoardMotorMessage)
     publisher = raw.declare_publisher(key)
-    clock_of_sender = time.time_ns() - 3_600 * 10**9
+    now, clocks, arrived = time.time_ns(), count(-7_200, 10), list[bytes]()
     with Rig(middleware=lambda _: join()) as rig:
 
-        def send(number: int, age_s: float) -> None:
-            attachment = struct.pack("<qqB16s", number, clock_of_sender - int(age_s * 1e9), 16, b"g" * 16)
-            publisher.put(messages[number], attachment=attachment)
+        def send(number: int, clock_s: float) -> None:
+            publisher.put(
+                messages[number], attachment=struct.pack("<qqB16s", number, now + int(clock_s * 1e9), 16, b"g" * 16)
+            )
 
         def first() -> bool:
-            send(0, 1)
+            send(0, next(clocks))
             return bool(seen and rig.account.sent["drive_motor"])
 
-        def end_with(number: int) -> bool:
-            return bool(seen[-1:] == [messages[number]] and rig.account.taken["drive_motor"] == len(seen))
+        def has_come(number: int) -> bool:
+            arrived.extend(rig.arrived("hardware"))
+            return seen[-1:] == [messages[number]] and envelope(drive_motor={"distance_to_go": number}) in arrived
 
         wait_until(first, "the first message")
-        send(1, 0)
+        send(1, -3_600)
         for number in range(2, 6):  # set back: the first one says so, and the others are measured by it
-            send(number, 600 - number)
-        wait_until(lambda: end_with(5), "the messages")
-        clock_of_sender += 3_600 * 10**9
+            send(number, -9_000 + 60 * number)
+        wait_until(lambda: has_come(5), "the messages")
         send(6, 0)
-        wait_until(lambda: end_with(6), "the clock that was set right")
+        wait_until(lambda: has_come(6), "the clock that was set right")
         assert not rig.account.late
         monotonic = time.monotonic_ns
         monkeypatch.setattr(time, "monotonic_ns", lambda: monotonic() + int(1.5e9))
-        clock_of_sender += int(0.1e9)
-        send(7, 0)  # sent 0.1 s after the last one, and comes 1.5 s after it
-        wait_until(lambda: end_with(7), "the late message")
+        send(7, 0.1)  # 0.1 s after the last one, and comes 1.5 s after it
+        wait_until(lambda: seen[-1] == messages[7] and rig.account.late, "the late message")
         wait_until(lambda: "messages come more than a second late, on /drive_motor" in caplog.text, "the warning")
         assert rig.account.late == {"drive_motor": 1}
         assert "not sent: drive_motor: the message came more than a second late" in caplog.text
-        assert rig.account.sent["drive_motor"] == len(seen) - 1
-        assert rig.arrived("hardware")[-1] == envelope(drive_motor={"distance_to_go": 6})
+        assert rig.account.sent["drive_motor"] == rig.account.taken["drive_motor"] - 1
+        assert not has_come(7)
 
 
 @pytest.mark.parametrize("exact_depth", [True, False])

@@ -13,6 +13,7 @@ import numpy as np
 from roverkit.fusion.fusing import Fusion
 from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY
 from roverkit.node.ros_connection import RosConnection
+from roverkit.odometry.dead_reckoning import OdometryNoise
 from roverkit.vision import Landmark, Landmarks, Pose, TargetId
 
 from rover.bench.fusion.drives import Drive, Fix, Floats, Noise, apart, range_bearing
@@ -48,7 +49,10 @@ class Program:
         self._now = 0
         connection.clock = SimpleNamespace(now=lambda: self._now)  # the time of the drive
         arguments = argparse.Namespace(
-            base_frame="base_link", json=False, mean_slip=0.02, datum=[*datum, 0.0] if datum else None
+            base_frame="base_link",
+            json=False,
+            mean_slip=OdometryNoise().mean_slip,
+            datum=[*datum, 0.0] if datum else None,
         )
         fusion = Fusion(connection, landmarks, arguments, logger)
         fusion.receive(DETECTIONS.name, Pose(np.eye(3), np.zeros(3)))

@@ -20,6 +20,7 @@ from roverkit.fusion.fusion_declaration import DETECTIONS, FIX, FUSED, ODOMETRY
 from roverkit.fusion.planar_gaussian import PlanarGaussian, rotation
 from roverkit.gating import Reasons
 from roverkit.node.ros_connection import RosConnection
+from roverkit.odometry.dead_reckoning import OdometryNoise
 from roverkit.odometry.odometry_messages import odometry_of
 from roverkit.odometry.wheel_odometry import OdometryEstimate, WheelOdometry
 from roverkit.simulation.rover_model import Measurement, MotorReport, ProgressReport, RoverModel, RoverSettings
@@ -83,7 +84,7 @@ class FieldDrive:
         arguments = argparse.Namespace(
             base_frame="base_link",
             json=False,
-            mean_slip=0.02,
+            mean_slip=OdometryNoise().mean_slip,
             datum=[datum.latitude, datum.longitude, 0.0] if gps else None,
         )
         said = logger or logging.getLogger("fusion of a test")
