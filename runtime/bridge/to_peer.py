@@ -117,7 +117,7 @@ class OutboundRow(LimitedRow):
         self._ended = True
         self._count_superseded(self.pacer is not None and self.pacer.withdraw() is not None)
         for _ in range(_STOP_COPIES):
-            self._account.stops[self.name] += self._send([self._stop])
+            self._account.count_stops(self.name, self._send([self._stop]))
             time.sleep(_STOP_PAUSE_S)
 
     def _pass_on(self, messages: Sequence[bytes]) -> None:
@@ -164,7 +164,7 @@ class OutboundRow(LimitedRow):
         sent = self._send(datagrams)
         # The watchdog is about commands that leave the bridge, so a message that could not be sent does not count.
         if sent:
-            self._account.sent[self.name] += sent
+            self._account.count_sent(self.name, sent)
             if self._watchdog:
                 self._watchdog.message_passed(time.monotonic())
         if failed := len(datagrams) - sent:
@@ -189,7 +189,7 @@ class OutboundRow(LimitedRow):
         if self.pacer is not None and self.lock.acquire(blocking=False):
             self._count_superseded(self.pacer.withdraw() is not None)
             self.lock.release()
-        self._account.stops[self.name] += self._send([self._stop])
+        self._account.count_stops(self.name, self._send([self._stop]))
 
 
 class PublisherWatch:

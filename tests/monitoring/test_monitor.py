@@ -84,6 +84,7 @@ class _Bridge:
             for name, rate in a_second.items():
                 self.account.published[name] += rate // 4
                 self.account.received += rate // 4
+            self.account.last_crossed |= {name: self.now for name, rate in a_second.items() if rate}
             self.monitor.sample()
 
     def row(self, name: str) -> RowState:
@@ -147,17 +148,17 @@ def test_stops_of_the_deadman() -> None:
     """Their number, and that the peer stands still until the next message; rows without a deadman have neither."""
     bridge = _Bridge()
     assert (bridge.row("imu_info").stops, bridge.row("drive_motor").stops) == (None, 0)
-    bridge.account.stops["drive_motor"] += 1
+    bridge.account.count_stops("drive_motor", 1)
     bridge.let(0.5)
     row = bridge.row("drive_motor")
     assert (row.stops, row.stopping, row.message) == (1, True, "no message yet; the bridge sends the stop")
     bridge.let(10)
     assert bridge.row("drive_motor").stopping
-    bridge.account.sent["drive_motor"] += 1
+    bridge.account.count_sent("drive_motor", 1)
     bridge.let(0.5)
     row = bridge.row("drive_motor")
     assert (row.stops, row.stopping, row.message) == (1, False, "")
-    bridge.account.stops["drive_motor"] += 2
+    bridge.account.count_stops("drive_motor", 2)
     bridge.let(0.25)
     row = bridge.row("drive_motor")
     assert (row.stops, row.stopping, row.message) == (3, True, "silent; the bridge sends the stop")
@@ -301,7 +302,7 @@ def _busy() -> State:
     bridge.let(2.5, imu_info=20)
     bridge.account.sent["drive_motor"] += 3
     bridge.account.stops["arm_ctrl"] += 7
-    bridge.monitor.sample()
+    bridge.account.last_crossed["drive_motor"] = bridge.account.last_stops["arm_ctrl"] = bridge.now
     bridge.recording = Recording("run.mcap", 12, 0, 5_000_000, None)
     state = bridge.monitor.state()
     counts = (0, 10, 100, 60, 10, *[0] * (len(BOUNDS_S) - 4))
@@ -554,12 +555,9 @@ def test_the_silent_board_is_named_with_its_address(caplog: pytest.LogCaptureFix
     }
     bridge.link_states = lambda: links  # type: ignore[method-assign]
     monitor = Monitor("rover", REGISTRY, bridge, clock=lambda: bridge.now)
-    monitor.sample()
-    bridge.account.published.update(arm_feedback=1, drive_diag=1)
-    monitor.sample()
+    bridge.account.last_crossed["arm_feedback"] = bridge.now
     bridge.now += 5
-    bridge.account.published.update(drive_diag=1)
-    monitor.sample()
+    bridge.account.last_crossed["drive_diag"] = bridge.now
     array = diagnostic_array.array_of(monitor.state(), _STAMP, {})
     told = {status.name: (status.level, status.message) for status in array.status if "link to" in status.name}
     assert told == {
@@ -584,10 +582,9 @@ def test_the_silent_board_is_named_with_its_address(caplog: pytest.LogCaptureFix
     samples = prometheus.text_of(monitor.state())
     assert 'roverlink_silent{board="ArmBoard",peer="hardware"} 1.0' in samples
     assert 'roverlink_link_ok{board="SensorBoard",peer="hardware"} 0.0' in samples
-    log.take({end.end: end.liveness for end in monitor.state().ends})
-    bridge.account.published.update(arm_feedback=1)
-    monitor.sample()
-    log.take({end.end: end.liveness for end in monitor.state().ends})
+    log.take(monitor.liveness())
+    bridge.account.last_crossed["arm_feedback"] = bridge.now
+    log.take(monitor.liveness())
     alive, silent = Liveness("alive", 0.0, 3.0), Liveness("silent", 4.0, 3.0)
     for one in (silent, silent, alive):
         log.take({EndName("hardware"): one, arm: one, driving: one, EndName("basestation"): one})
