@@ -101,7 +101,8 @@ class Monitor:
     def add_listener(self, listener: Callable[[Callable[[], State]], None]) -> None:
         """Let the monitor call ``listener`` once a second, on the monitor's thread.
 
-        It gets a function that returns the state, which costs nothing unless it is called. Call this before entering the monitor's ``with`` block.
+        It gets a function that returns the state, which costs nothing unless it is called. Call this before entering
+        the monitor's ``with`` block.
         """
         self._listeners.append(listener)
 
