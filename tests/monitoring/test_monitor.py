@@ -152,8 +152,6 @@ def test_stops_of_the_deadman() -> None:
     bridge.let(0.5)
     row = bridge.row("drive_motor")
     assert (row.stops, row.stopping, row.message) == (1, True, "no message yet; the bridge sends the stop")
-    bridge.let(10)
-    assert bridge.row("drive_motor").stopping
     bridge.account.count_sent("drive_motor", 1)
     bridge.let(0.5)
     row = bridge.row("drive_motor")
@@ -165,10 +163,7 @@ def test_stops_of_the_deadman() -> None:
 
 
 def test_what_concerns_the_whole_bridge_is_told_of_it() -> None:
-    """A node whose QoS does not match is a warning, of which its row says why; a recording that has ended an error.
-
-    If the kernel drops datagrams, it is the computer that cannot keep up: an error if most are lost.
-    """
+    """QoS that does not match is a warning, which the row explains; a recording's end and most data lost are errors."""
     bridge = _Bridge(imu_info=40)
     bridge.let(3, imu_info=40)
     bridge.account.qos_mismatches = {"imu_data": ["a subscription of /viz gets no messages"], "imu/mag": ["another"]}
@@ -189,10 +184,8 @@ def test_what_concerns_the_whole_bridge_is_told_of_it() -> None:
         bridge.kernel_drops += drops
         bridge.let(0.25, imu_info=40)
         state = bridge.monitor.state()
-        assert state.message.startswith(
-            f"this computer cannot keep up: {lost} of the datagrams lost in the last 2 s; end"
-        )
-        assert state.level == level
+        text = f"this computer cannot keep up: {lost} of the datagrams lost in the last 2 s; end"
+        assert (state.level, state.message[: len(text)]) == (level, text)
 
 
 def _lines(shown: Any, width: int) -> list[str]:
@@ -504,7 +497,6 @@ def test_what_is_used_of_a_budget_is_shown_and_what_did_not_leave() -> None:
     bridge.account.withheld["basestation", "imu_info", "superseded"] = 5
     bridge.account.budget_bytes["basestation"] = 300_000
     bridge.now += 2
-    monitor.sample()
     state = monitor.state()
     assert state.budgets == {"basestation": Budget(200_000, 150_000.0, 300_000)}
     assert "not delivered 7" in state.message
