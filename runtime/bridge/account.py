@@ -86,10 +86,10 @@ class Account:
     """Messages of topics whose datagram the network refused, by payload."""
     stops: Counter[str] = field(default_factory=Counter)
     """Stop datagrams that the bridge sent on its own because a topic was silent, by payload."""
+    # Times of the last message that was published or sent, and of the last stop, by payload, in seconds of the
+    # monotonic clock. They are no counters, so the table of the docs has none of them.
     last_crossed: dict[str, float] = field(default_factory=dict)
-    """Time of the last message that was published or sent, in seconds of the monotonic clock, by payload."""
     last_stops: dict[str, float] = field(default_factory=dict)
-    """The same for the last stop."""
     unanswered: Counter[str] = field(default_factory=Counter)
     """Calls of a service whose request the peer has not answered (`request`), by payload."""
     qos_mismatches: Mapping[str, Sequence[str]] = field(default_factory=dict)
