@@ -149,7 +149,7 @@ class BridgeObservers:
             return watch
         monitor = Monitor(self._ros.node.name, self._registry, bridge, self._recording, logger=self._logger)
         silences = SilenceLog(self._logger)
-        monitor.add_listener(lambda state: silences.take({end.end: end.liveness for end in state.ends}))
+        monitor.add_listener(lambda _: silences.take(monitor.liveness()))
         if not self._arguments.no_diagnostics:
             topic = self._ros.topic(diagnostic_array.TOPIC)
             try:
@@ -182,11 +182,11 @@ class BridgeObservers:
         return TappedMiddleware(middleware, values)
 
     @staticmethod
-    def _show_state(link: LiveLink) -> Callable[[State], None]:
+    def _show_state(link: LiveLink) -> Callable[[Callable[[], State]], None]:
         from roverlink.heard_bridges import state_of
 
-        def show(state: State) -> None:
-            if (shown := state_of(diagnostic_array.array_of(state, time.time_ns(), {}))) is not None:
+        def show(state: Callable[[], State]) -> None:
+            if (shown := state_of(diagnostic_array.array_of(state(), time.time_ns(), {}))) is not None:
                 link.take_state(shown)
 
         return show

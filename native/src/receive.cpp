@@ -94,7 +94,6 @@ class Loop {
     size_t sizes[RL_BURST] = {};  // of the envelopes to forward: a datagram may have more or fewer zeros at its end
     const rl_datagram *datagrams;
     uint32_t size;
-    int64_t began;
     timespec arrived;
   };
 
@@ -132,9 +131,8 @@ class Loop {
   }
 
   int handle(const rl_datagram *datagrams, uint32_t size) {
-    const int64_t began = monotonic_ns();
+    began_ = monotonic_ns();
     Burst burst;
-    burst.began = began;
     burst.datagrams = datagrams;
     burst.size = size;
     clock_gettime(CLOCK_REALTIME, &burst.arrived);
@@ -159,8 +157,8 @@ class Loop {
     }
     if (const int ended = settle(burst)) return ended;
     if (const int ended = tell()) return ended;
-    if (began < next_tick_) return 0;
-    next_tick_ = began + LOOK_NS;
+    if (began_ < next_tick_) return 0;
+    next_tick_ = began_ + LOOK_NS;
     return bridge_.calls.handle(nullptr, 0);
   }
 
@@ -218,7 +216,7 @@ class Loop {
   bool publish(const rl_row &row, const rl_datagram &datagram, const Burst &burst) {
     if (!load(row.native) || (envelope_size_ > row.longest && !load(bridge_.forwards_all))) return false;
     bucket_ = nullptr;
-    if (load(bridge_.checks_senders) && !is_admitted(row, datagram, burst)) return false;
+    if (load(bridge_.checks_senders) && !is_admitted(row, datagram)) return false;
     rl_stream *const stream = row.is_signed ? stream_of(row) : nullptr;
     if (row.is_signed && stream == nullptr) return false;
     // The messages of a topic keep their order.
@@ -283,6 +281,7 @@ class Loop {
       return;
     }
     add(topic.published, 1);
+    store(topic.published_at, began_);
     if (topic.observed) put(*bridge_.observers, made.topic, now, made.message, made.size);
   }
 
@@ -310,11 +309,11 @@ class Loop {
   }
 
   // Python has decided once that the row may come from the sender, and learns nothing from another datagram.
-  bool is_admitted(const rl_row &row, const rl_datagram &datagram, const Burst &burst) {
+  bool is_admitted(const rl_row &row, const rl_datagram &datagram) {
     bucket_ = bucket_of(row, datagram);
     if (bucket_ == nullptr || bucket_->rate == HUGE_VAL) return bucket_ != nullptr;
     // Python may have taken a token after the burst began.
-    const double now = std::max(bucket_->at, static_cast<double>(burst.began) * 1e-9);
+    const double now = std::max(bucket_->at, static_cast<double>(began_) * 1e-9);
     bucket_->allowance = std::min(bucket_->burst, bucket_->allowance + (now - bucket_->at) * bucket_->rate);
     bucket_->at = now;
     return bucket_->allowance >= 1;
@@ -408,7 +407,7 @@ class Loop {
     offer_kept();
     flush();
     if (const int ended = forward(burst)) return ended;
-    if (handled_ != 0) note_latency(burst.began);
+    if (handled_ != 0) note_latency();
     const uint32_t count = burst.n_handed_over;
     burst.n_handed_over = 0;
     burst.is_urgent = false;
@@ -449,8 +448,8 @@ class Loop {
     return 0;
   }
 
-  void note_latency(int64_t began) {
-    const double took = static_cast<double>(monotonic_ns() - began) * 1e-9;
+  void note_latency() {
+    const double took = static_cast<double>(monotonic_ns() - began_) * 1e-9;
     const auto bucket = std::lower_bound(bridge_.bounds, bridge_.bounds + bridge_.n_bounds, took) - bridge_.bounds;
     add(bridge_.latencies[bucket], handled_);
     bridge_.latency_sum += took * static_cast<double>(handled_);
@@ -483,6 +482,7 @@ class Loop {
   Sender senders_[SENDERS] = {};
   uint32_t senders_as_of_ = 0;
   uint64_t handled_ = 0;
+  int64_t began_ = 0;  // of the burst, on the monotonic clock
   int64_t next_tick_ = 0;
 };
 

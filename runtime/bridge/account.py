@@ -86,6 +86,10 @@ class Account:
     """Messages of topics whose datagram the network refused, by payload."""
     stops: Counter[str] = field(default_factory=Counter)
     """Stop datagrams that the bridge sent on its own because a topic was silent, by payload."""
+    # Times of the last message that was published or sent, and of the last stop, by payload, in seconds of the
+    # monotonic clock. They are no counters, so the table of the docs has none of them.
+    last_crossed: dict[str, float] = field(default_factory=dict)
+    last_stops: dict[str, float] = field(default_factory=dict)
     unanswered: Counter[str] = field(default_factory=Counter)
     """Calls of a service whose request the peer has not answered (`request`), by payload."""
     qos_mismatches: Mapping[str, Sequence[str]] = field(default_factory=dict)
@@ -94,6 +98,18 @@ class Account:
     """Datagrams that the kernel dropped because the socket's receive buffer was full."""
     standing: dict[str, str] = field(default_factory=dict)
     """Texts about what is wrong now and lasts, such as generated code of another table, by subject."""
+
+    def count_published(self, name: str, count: int) -> None:
+        """Count messages of a row that were published now."""
+        _count(self.published, self.last_crossed, name, count)
+
+    def count_sent(self, name: str, count: int) -> None:
+        """Count datagrams of a row that were sent now."""
+        _count(self.sent, self.last_crossed, name, count)
+
+    def count_stops(self, name: str, count: int) -> None:
+        """Count stops of a row that were sent now."""
+        _count(self.stops, self.last_stops, name, count)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the counters as plain values, for JSON."""
@@ -148,6 +164,12 @@ class Account:
             f"received {self.received}, published {self.published.total()}, sent {self.sent.total()}, "
             f"forwarded {self.forwarded.total()}; dropped: {dropped}; by the kernel: {self.kernel_drops}"
         )
+
+
+def _count(counter: Counter[str], times: dict[str, float], name: str, count: int) -> None:
+    if count:
+        counter[name] += count
+        times[name] = time.monotonic()
 
 
 # Module function, not only a method: `simulate` checks the counters that another process printed as JSON.

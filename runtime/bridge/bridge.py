@@ -9,7 +9,8 @@ Two threads do the work.
 On both threads, the native core does this work for the rows that take the native way (`NativeWay`).
 
 A third thread, the `Timekeeper`, runs if the table has ``max_rate`` or ``deadman``. A fourth thread looks at the other
-nodes: whether the topics with ``deadman`` still have publishers, and whether the QoS of both ends of a topic match.
+nodes: whether the QoS of both ends of a topic match, and, if the middleware does not tell, whether the topics with
+``deadman`` still have publishers.
 """
 
 from __future__ import annotations

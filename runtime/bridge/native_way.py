@@ -209,6 +209,9 @@ class NativeWay:
         for one in self._limited:
             if one.pacer is not None and one.pacer.superseded:
                 withheld[one.destination.end.peer, one.row, "superseded"] += one.pacer.superseded
+        last = {**account.last_crossed}
+        times = {**counts.last_published, **{route.name: _sent_at(one) for _, route, _, one in self._outbound}}
+        last.update((name, at) for name, at in times.items() if at > last.get(name, 0.0))
         for row, route, _, subscription in self._outbound:
             taken[route.name] += subscription.taken
             sent[route.name] += subscription.sent
@@ -221,6 +224,7 @@ class NativeWay:
             dropped=dropped,
             withheld=withheld,
             sent=+sent,
+            last_crossed=last,
             received=account.received + counts.received,
             published=account.published + counts.published,
             extra_published=account.extra_published + counts.extra_published,

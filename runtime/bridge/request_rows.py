@@ -270,7 +270,7 @@ class RequestFromPeer(InboundRow):
         name = self._route.name
         request = _converted(message, self._exchange.request.message_type, service.request)
         if client.call(request, partial(self._answer, service, message, number)):
-            self._account.published[name] += 1
+            self._account.count_published(name, 1)
         else:
             self._forget(message)
             error = f"{name} ({self._route.number}): no node offers the service {service.name}"

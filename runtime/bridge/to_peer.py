@@ -19,7 +19,7 @@ from roverlink.runtime.core.errors import ConversionError
 from roverlink.runtime.core.handler import SendLimits
 from roverlink.runtime.core.registry import AnyHandler
 from roverlink.runtime.core.translator import Translator
-from roverlink.runtime.middleware import Subscription
+from roverlink.runtime.middleware import Subscription, WatchedSubscription
 from roverlink.runtime.text.assignments import payload_from_assignments
 
 _STOP_COPIES = 3
@@ -68,11 +68,17 @@ class OutboundRow(LimitedRow):
     def connect(self, subscription: Subscription, wake: Callable[[], None]) -> PublisherWatch | None:
         """Store ``wake``, the function that wakes the timekeeper of this row.
 
-        Returns a `PublisherWatch` for ``subscription`` if the topic has a watchdog, else None. The caller must run the
-        `PublisherWatch` as a timed task.
+        Returns a `PublisherWatch` for ``subscription`` if the topic has a watchdog and the middleware does not tell of
+        publishers itself, else None. The caller must run the `PublisherWatch` as a timed task.
         """
         self.wake = wake
-        return PublisherWatch(subscription, self._watchdog, wake) if self._watchdog else None
+        if self._watchdog is None:
+            return None
+        watch = PublisherWatch(subscription, self._watchdog, wake)
+        if not isinstance(subscription, WatchedSubscription):
+            return watch
+        subscription.watch(watch.tell)
+        return None
 
     def _take(self, messages: Sequence[bytes]) -> None:
         self._account.taken[self.name] += len(messages)
@@ -117,7 +123,7 @@ class OutboundRow(LimitedRow):
         self._ended = True
         self._count_superseded(self.pacer is not None and self.pacer.withdraw() is not None)
         for _ in range(_STOP_COPIES):
-            self._account.stops[self.name] += self._send([self._stop])
+            self._account.count_stops(self.name, self._send([self._stop]))
             time.sleep(_STOP_PAUSE_S)
 
     def _pass_on(self, messages: Sequence[bytes]) -> None:
@@ -164,7 +170,7 @@ class OutboundRow(LimitedRow):
         sent = self._send(datagrams)
         # The watchdog is about commands that leave the bridge, so a message that could not be sent does not count.
         if sent:
-            self._account.sent[self.name] += sent
+            self._account.count_sent(self.name, sent)
             if self._watchdog:
                 self._watchdog.message_passed(time.monotonic())
         if failed := len(datagrams) - sent:
@@ -189,7 +195,7 @@ class OutboundRow(LimitedRow):
         if self.pacer is not None and self.lock.acquire(blocking=False):
             self._count_superseded(self.pacer.withdraw() is not None)
             self.lock.release()
-        self._account.stops[self.name] += self._send([self._stop])
+        self._account.count_stops(self.name, self._send([self._stop]))
 
 
 class PublisherWatch:
@@ -209,6 +215,10 @@ class PublisherWatch:
         self.next_due = now + _LOOK_S
         published = self._subscription.has_publishers()
         if self._published and not published:
-            self._watchdog.lost_publisher()
-            self._wake()
+            self.tell()
         self._published = published
+
+    def tell(self) -> None:
+        """Make the stop due, because the last publisher has left."""
+        self._watchdog.lost_publisher()
+        self._wake()

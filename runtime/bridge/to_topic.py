@@ -33,7 +33,7 @@ class InboundRow(LimitedRow):
     def _pass_on(self, messages: Sequence[bytes]) -> None:
         """Publish messages in order. The messages that the middleware does not accept count as dropped."""
         accepted = self._publish(messages)
-        self._account.published[self._route.name] += accepted
+        self._account.count_published(self._route.name, accepted)
         for _ in messages[accepted:]:
             self.not_accepted()
 

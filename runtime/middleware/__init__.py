@@ -26,6 +26,7 @@ from roverlink.runtime.middleware.protocol import (
     Respond,
     ServiceClient,
     Subscription,
+    WatchedSubscription,
 )
 
 __all__ = [
@@ -40,6 +41,7 @@ __all__ = [
     "Respond",
     "ServiceClient",
     "Subscription",
+    "WatchedSubscription",
     "can_import",
     "dds_cure",
     "examine_zenoh",

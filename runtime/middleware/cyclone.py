@@ -15,7 +15,7 @@ from __future__ import annotations
 import ctypes
 import json
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import repeat
 from pathlib import Path
 from types import SimpleNamespace
@@ -126,6 +126,20 @@ class MatchedReaders(Listener):
         self.exist = status.current_count > 0
         if self._topic is not None:
             self._topic.wanted = self.exist
+
+
+class MatchedWriters(Listener):
+    """Listener of a participant; calls a function when the last writer that matches one of its readers has left."""
+
+    def __init__(self) -> None:
+        super().__init__()  # type: ignore[no-untyped-call]  # its base declares no types
+        self.left: dict[int, Callable[[], None]] = {}
+        """The functions, by the reference of the reader."""
+
+    def on_subscription_matched(self, reader: Entity | None, status: Any) -> None:
+        """Cyclone DDS calls this for each writer that it finds or loses; there is no reader while it is made."""
+        if reader is not None and status.current_count == 0 and (left := self.left.get(int(reader._ref))) is not None:
+            left()
 
 
 class RawWriter:

@@ -14,10 +14,10 @@ import os
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
-from cyclonedds.core import DDSException, GuardCondition, ReadCondition, WaitSet
+from cyclonedds.core import DDSException, GuardCondition, Listener, ReadCondition, WaitSet
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy
@@ -33,6 +33,7 @@ from roverlink.runtime.core.tap import Tap
 from roverlink.runtime.middleware.cyclone import (
     EVERYTHING,
     MatchedReaders,
+    MatchedWriters,
     NativeWaitSet,
     RawReader,
     RawWriter,
@@ -123,9 +124,14 @@ class DdsSubscription:
     """DDS reader for serialized messages."""
 
     def __init__(
-        self, reader: RawReader, lend: Callable[[NativeCore, LentTopic], None], close: Callable[[], None]
+        self,
+        reader: RawReader,
+        writers: MatchedWriters,
+        lend: Callable[[NativeCore, LentTopic], None],
+        close: Callable[[], None],
     ) -> None:
         self.has_publishers = reader.has_publishers
+        self.watch = partial(writers.left.__setitem__, reader.reference)
         self.lend_to = lend
         self.close = close
 
@@ -138,8 +144,9 @@ class DdsMiddleware(Middleware):
 
     def __init__(self, node: NodeIdentity, parameters: NodeParameters | None = None) -> None:
         self._domain_id = domain_id = ros_domain()
+        self._writers = MatchedWriters()
         try:
-            self._participant = _join(domain_id)
+            self._participant = _join(domain_id, self._writers)
         except DDSException as error:
             raise MiddlewareError(f"Cyclone DDS cannot join domain {domain_id}: {error}") from error
         self._joined_addresses = JoinedAddresses()
@@ -212,9 +219,10 @@ class DdsMiddleware(Middleware):
                     self._announcer.remove_reader(reader)
                     self._waitset.detach(condition)
                     del self._conditions[id(raw_reader)]
+                    self._writers.left.pop(raw_reader.reference, None)
                     delete(reader)
 
-        return DdsSubscription(raw_reader, lend, close)
+        return DdsSubscription(raw_reader, self._writers, lend, close)
 
     def offer(self, name: str, service: RowService, answer: Callable[[bytes, Respond], None]) -> None:
         """Offer a service for clients that use Cyclone DDS; log a warning if those of this computer do not."""
@@ -328,7 +336,7 @@ _domains: dict[int, tuple[Domain, str]] = {}
 _joining = threading.Lock()
 
 
-def _join(domain_id: int) -> DomainParticipant:
+def _join(domain_id: int, listener: Listener) -> DomainParticipant:
     """Join a DDS domain, which gets our configuration if this process has not joined it yet.
 
     DDS stays on this host if ROS 2's environment variables ask for it and CYCLONEDDS_URI is not set.
@@ -340,7 +348,7 @@ def _join(domain_id: int) -> DomainParticipant:
         if _domains.get(domain_id, ("", ""))[1] != configuration:
             _configure(domain_id, configuration)
         # The user data that ROS 2 sets on its participants: the default security enclave.
-        return DomainParticipant(domain_id, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
+        return DomainParticipant(domain_id, DdsQos(Policy.Userdata(b"enclave=/;")), listener)
 
 
 def _configure(domain_id: int, configuration: str) -> None:

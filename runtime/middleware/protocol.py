@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from roverlink.runtime.core.handler import Qos, RowService
 from roverlink.runtime.core.messages import Message
@@ -102,6 +102,14 @@ class Subscription(Protocol):
 
     def close(self) -> None:
         """End the subscription. The callback may still be called for messages that have just been taken."""
+
+
+@runtime_checkable
+class WatchedSubscription(Protocol):
+    """Subscription that tells when its publishers have left, so that nobody has to ask again and again."""
+
+    def watch(self, left: Callable[[], None]) -> None:
+        """Call ``left`` when the last publisher has left, on a thread of the middleware, which must not wait."""
 
 
 Respond = Callable[[bytes], None]

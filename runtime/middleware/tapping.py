@@ -19,6 +19,7 @@ from roverlink.runtime.middleware.protocol import (
     Respond,
     ServiceClient,
     Subscription,
+    WatchedSubscription,
 )
 from roverlink.runtime.native import bridge_layout as native
 from roverlink.runtime.native.core import NativeCore
@@ -109,6 +110,8 @@ class _LentSubscription:
     def __init__(self, subscription: NativeSubscription, tap: Tap) -> None:
         self._subscription, self._tap = subscription, tap
         self.has_publishers, self.close = subscription.has_publishers, subscription.close
+        if isinstance(subscription, WatchedSubscription):
+            self.watch = subscription.watch
 
     def lend_to(self, core: NativeCore, lent: LentTopic) -> None:
         """Let the core take the messages, and pass a copy of each to the listener."""

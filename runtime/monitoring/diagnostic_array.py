@@ -27,7 +27,9 @@ TOPIC = "/diagnostics"
 QOS = Qos(depth=10)
 
 
-def publisher(middleware: Middleware, full_name: str, topic: str, clock: Clock) -> Callable[[State], None]:
+def publisher(
+    middleware: Middleware, full_name: str, topic: str, clock: Clock
+) -> Callable[[Callable[[], State]], None]:
     """Return a function that publishes a bridge's state on ``topic`` as a diagnostic_msgs/DiagnosticArray.
 
     ``full_name`` is the name of the bridge's node with its namespace. It is published with the host, the process and a
@@ -38,10 +40,10 @@ def publisher(middleware: Middleware, full_name: str, topic: str, clock: Clock) 
     array = middleware.publisher(topic, DiagnosticArray, QOS)
     origin = {"full_name": full_name, "host": gethostname(), "pid": os.getpid(), "instance": uuid4().hex[:8]}
 
-    def publish_state(state: State) -> None:
+    def publish_state(state: Callable[[], State]) -> None:
         # If nobody listens yet, or a queue is full: the next one follows in a second.
         if array.has_subscribers():
-            array.publish([cdr.encode(array_of(state, clock.now(), origin))])
+            array.publish([cdr.encode(array_of(state(), clock.now(), origin))])
 
     return publish_state
 

@@ -1,13 +1,14 @@
 """Monitor of a bridge: reads the bridge's counters periodically.
 
-From the counters it computes the rate and the level (OK, WARN, ERROR or STALE) of each row, and the time since the
-row's last message.
+From the counters it computes the rate and the level (OK, WARN, ERROR or STALE) of each row.
 """
 
 from __future__ import annotations
 
+import functools
 import logging
 import math
+import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -26,12 +27,10 @@ from roverlink.runtime.monitoring.liveness import Liveness, link_age, liveness_o
 from roverlink.runtime.monitoring.state import Budget, EndState, Level, Recording, RowState, State
 from roverlink.runtime.net.udp import SocketState
 
-SAMPLE_S = 0.25
-"""Interval in seconds at which the counters are read. So the age of a row's last message is wrong by this at most."""
+SAMPLE_S = 1.0
+"""Interval in seconds at which the counters are read, and listeners are called."""
 WINDOW_S = 2.0
 """Length in seconds of the time window in which rates are averaged, and in which a drop causes a warning."""
-REPORT_S = 1.0
-"""Interval in seconds at which listeners get the state."""
 
 _KERNEL = "dropped by the kernel"
 _LOW = 0.8  # share of the expected rate below which a row gets a warning
@@ -70,8 +69,6 @@ class _Sample(NamedTuple):
     """Messages published on topics or sent to peers, by payload."""
     dropped: Counter[tuple[str, str]]
     """Messages that were not bridged, by payload and reason."""
-    stops: Counter[str]
-    """Stops sent because a topic was silent, by payload."""
     received: int
     """Datagrams read from the socket."""
     lost: Counter[str]
@@ -95,18 +92,17 @@ class Monitor:
         self._node, self._registry, self._bridge = node, registry, bridge
         self._recording, self._clock = recording, clock
         self._samples: deque[_Sample] = deque()
-        self._last: dict[str, float] = {}  # time when each row's counter was last seen to change
-        self._last_stop: dict[str, float] = {}  # the same for the counter of the row's stops
+        self._lock = threading.Lock()  # of the samples: several threads ask for the state
         self._outbound = {handler.route.name for handler in registry.handlers if not handler.route.inbound}
-        self._listeners: list[Callable[[State], None]] = []
-        self._next_report = clock()
+        self._listeners: list[Callable[[Callable[[], State]], None]] = []
         self._thread = PeriodicThread("monitor", SAMPLE_S, self._observe, logger or logging.getLogger("roverlink"))
         self.sample()
 
-    def add_listener(self, listener: Callable[[State], None]) -> None:
-        """Let the monitor call ``listener`` with the state once a second, on the monitor's thread.
+    def add_listener(self, listener: Callable[[Callable[[], State]], None]) -> None:
+        """Let the monitor call ``listener`` once a second, on the monitor's thread.
 
-        Call this before entering the monitor's ``with`` block.
+        It gets a function that returns the state, which costs nothing unless it is called. Call this before entering
+        the monitor's ``with`` block.
         """
         self._listeners.append(listener)
 
@@ -118,12 +114,9 @@ class Monitor:
         self._thread.__exit__()
 
     def _observe(self) -> None:
-        """Read the counters, and call the listeners once a second: all of them, also if one raises an error."""
+        """Read the counters, and call the listeners: all of them, also if one raises an error."""
         self.sample()
-        if self._clock() < self._next_report:
-            return
-        self._next_report += REPORT_S
-        state, failures = self.state(), list[Exception]()
+        state, failures = functools.cache(self._state), list[Exception]()
         for listener in self._listeners:
             try:
                 listener(state)
@@ -134,7 +127,7 @@ class Monitor:
 
     def sample(self) -> None:
         """Read the counters once and store their values. The monitor's thread calls this periodically."""
-        account = self._bridge.account
+        self._account = account = self._bridge.account
         now, crossed = self._clock(), account.published + account.sent
         # A peer that sends a payload of an outbound row does no harm to the row, so the row must not look broken.
         dropped = Counter({key: count for key, count in account.dropped_of_row.items() if key[0] not in self._outbound})
@@ -142,11 +135,6 @@ class Monitor:
         dropped.update({(name, "late"): count for name, count in account.late.items()})
         dropped.update({(name, "unanswered"): count for name, count in account.unanswered.items() if count})
         dropped.update({key: count for key, count in account.undelivered_of_row.items() if key[0] in self._outbound})
-        stops = Counter(account.stops)
-        before = self._samples[-1] if self._samples else None
-        if before is not None:
-            self._last.update({name: now for name, count in crossed.items() if count != before.crossed[name]})
-            self._last_stop.update({name: now for name, count in stops.items() if count != before.stops[name]})
         others: dict[str, Counter[Any]] = {
             "refused": account.refused,
             "late": account.late,
@@ -159,15 +147,37 @@ class Monitor:
         del lost[Reason.REPEATED.value]  # it has been handled when it came first
         lost[_KERNEL] = self._bridge.socket_state().drops  # the account reads it only when a datagram arrives
         bytes_sent = Counter(account.budget_bytes)
-        self._samples.append(_Sample(now, crossed, dropped, stops, account.received, lost, bytes_sent))
-        # Keep one sample older than the window, so that rates cover the whole window.
-        while len(self._samples) > 2 and self._samples[1].time <= now - WINDOW_S:
-            self._samples.popleft()
+        with self._lock:
+            self._samples.append(_Sample(now, crossed, dropped, account.received, lost, bytes_sent))
+            # Keep one sample older than the window, so that rates cover the whole window.
+            while len(self._samples) > 2 and self._samples[1].time <= now - WINDOW_S:
+                self._samples.popleft()
+
+    def liveness(self) -> dict[EndName, Liveness]:
+        """Return the liveness of each end of the link, and of each board that has rows."""
+        now, last = self._clock(), self._account.last_crossed
+        routes = [handler.route for _, handler in sorted(self._registry.by_number.items())]
+        link_ages = {one.end: one.age for one in self._bridge.link_reports() if one.age is not None}
+        boards = [EndName(route.peer, route.board) for route in routes if route.board]
+        return {
+            end: liveness_of(
+                [
+                    (now - last[route.name] if route.name in last else None, route.expect_rate)
+                    for route in routes
+                    if route.inbound and route.peer == end.peer and end.board in ("", route.board)
+                ],
+                link_age(link_ages, end),
+            )
+            for end in dict.fromkeys([*self._bridge.link_states(), *boards])
+        }
 
     def state(self) -> State:
-        """Return the state of the bridge when the counters were last read."""
-        # Read once: it adds up the counters of the native core.
-        account, first, last = self._bridge.account, self._samples[0], self._samples[-1]
+        """Read the counters and return the state of the bridge."""
+        self.sample()
+        return self._state()
+
+    def _state(self) -> State:
+        account, first, last = self._account, self._samples[0], self._samples[-1]
         socket = self._bridge.socket_state()
         recording = self._recording()
         level, message = self._overall(recording, account)
@@ -177,7 +187,7 @@ class Monitor:
             node=self._node,
             fingerprint=self._registry.fingerprint,
             rows=rows,
-            ends=tuple(_ends(self._bridge.link_states(), rows, self._bridge.clock_reports(), links)),
+            ends=tuple(self._ends()),
             undelivered=dict(account.undelivered),
             damaged=dict(account.damaged),
             unforwarded=dict(account.unforwarded),
@@ -232,14 +242,14 @@ class Monitor:
         first, last = self._samples[0], self._samples[-1]
         name, span = route.name, max(last.time - first.time, SAMPLE_S)
         rate = (last.crossed[name] - first.crossed[name]) / span
-        seen = self._last.get(name)
+        seen, stopped = account.last_crossed.get(name), account.last_stops.get(name, -math.inf)
         age = None if seen is None else self._clock() - seen
         dropped = {reason: count for (row, reason), count in sorted(last.dropped.items()) if row == name}
         fresh = {reason: count - first.dropped[name, reason] for reason, count in dropped.items()}
         mismatches = account.qos_mismatches.get(route.topic, ())
         fresh = {reason: count for reason, count in fresh.items() if count}
         level, message = _assess(route.expect_rate, rate, age, fresh, mismatches)
-        stopping = self._last_stop.get(name, -math.inf) > self._last.get(name, -math.inf)
+        stopping = stopped > (-math.inf if seen is None else seen)
         if stopping and level in (Level.OK, Level.STALE):  # else there is a reason that matters more
             message = f"{message or 'silent'}; the bridge sends the stop"
         return RowState(
@@ -255,39 +265,25 @@ class Monitor:
             expect_rate=route.expect_rate,
             dropped=dropped,
             deadman_after=None if route.deadman is None else route.deadman.after_ms / 1000,
-            stops=None if route.deadman is None else last.stops[name],
+            stops=None if route.deadman is None else account.stops[name],
             stopping=stopping,
             qos_mismatches=len(mismatches),
             level=level,
             message=message,
         )
 
+    def _ends(self) -> Iterator[EndState]:
+        """Yield the state of each end. A board without an address of its own has that of its peer."""
+        links, clocks = self._bridge.link_states(), self._bridge.clock_reports()
+        for name, liveness in self.liveness().items():
+            # One that is in neither is a board that sends, but to which nothing goes.
+            link = links.get(name) or links.get(EndName(name.peer)) or LinkState((), "ok")
+            level, message = _assess_end(link, liveness)
+            yield EndState(name, link.addresses, link.state, liveness, level, message, link.fault, clocks.get(name))
+
 
 def _percent(share: float) -> str:
     return f"{100 * share:.0f} %" if share >= 0.01 else "less than 1 %"
-
-
-def _ends(
-    links: Mapping[EndName, LinkState],
-    rows: Sequence[RowState],
-    clocks: Mapping[EndName, ClockReport],
-    reports: Sequence[EndReport],
-) -> Iterator[EndState]:
-    """Yield the state of each end of the link, and of each board that has rows.
-
-    A board without an address of its own has that of its peer.
-    """
-    boards = [EndName(row.peer, row.board) for row in rows if row.board]
-    ages = {report.end: report.age for report in reports if report.age is not None}
-    for name in dict.fromkeys([*links, *boards]):
-        link = links.get(name) or links.get(EndName(name.peer))
-        own = [row for row in rows if row.peer == name.peer and name.board in ("", row.board)]
-        inbound = [row for row in own if row.direction.endswith("_to_ros")]
-        liveness = liveness_of(((row.age, row.expect_rate) for row in inbound), link_age(ages, name))
-        if link is None:  # a board that sends, but to which nothing goes
-            link = LinkState((), "ok")
-        level, message = _assess_end(link, liveness)
-        yield EndState(name, link.addresses, link.state, liveness, level, message, link.fault, clocks.get(name))
 
 
 ADDRESS_PROBLEMS = {

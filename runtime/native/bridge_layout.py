@@ -97,6 +97,7 @@ class Topic(ctypes.Structure):
         ("pacer", ctypes.c_void_p),
         ("paused_until", ctypes.c_int64),
         ("published", ctypes.c_uint64),
+        ("published_at", ctypes.c_int64),
     )
 
 

@@ -55,6 +55,8 @@ class NativeCounts(NamedTuple):
     """Datagrams that the core handled itself."""
     published: Counter[str]
     """Messages published on the rows' own topics, by row."""
+    last_published: Mapping[str, float]
+    """Time of the last of them, in seconds of the monotonic clock, by row; 0 if there was none."""
     extra_published: Counter[str]
     """Messages published on extra topics, by topic in the table."""
     forwarded: Sequence[int]
@@ -250,14 +252,17 @@ class DatagramLoop:
         """Return the counters."""
         published: Counter[str] = Counter()
         extra: Counter[str] = Counter()
+        last: dict[str, float] = {}
         for handler, struct in zip(self._topics, self._topic_structs):
             if id(handler) in self._own:
                 published[handler.route.name] += struct.published
+                last[handler.route.name] = struct.published_at / 1e9
             else:
                 extra[handler.route.topic] += struct.published
         return NativeCounts(
             self._bridge.received,
             published,
+            last,
             extra,
             [destination.forwarded for destination in self._destination_structs],
         )

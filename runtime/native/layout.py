@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from enum import IntEnum, IntFlag
 
-INTERFACE = 4
+INTERFACE = 5
 """Version of the interface that this module describes."""
 NONE = 0xFFFFFFFF
 """No index, or no bound."""

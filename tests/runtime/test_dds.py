@@ -325,6 +325,17 @@ def test_a_subscription_follows_its_publishers(join: Open, topic: str) -> None:
         seen.clear()
 
 
+def test_a_subscription_tells_that_its_last_publisher_has_left(join: Open, topic: str) -> None:
+    """The deadman need not ask for it."""
+    left, node = threading.Event(), join("drive")
+    subscription = join().subscribe(topic, ImuSensorInformation, Qos(), Mock())
+    subscription.watch(left.set)  # type: ignore[attr-defined]  # over DDS
+    node.publisher(topic, ImuSensorInformation, Qos())
+    wait_until(subscription.has_publishers, "the publisher")
+    node.close()
+    assert left.wait(PATIENCE_S)
+
+
 # --- the environment --------------------------------------------------------------------------------------------
 
 

@@ -152,6 +152,7 @@ typedef struct rl_topic {
   rl_pacer *pacer;        /* null without a limit */
   int64_t paused_until;   /* in nanoseconds of the monotonic clock: no message is published before */
   uint64_t published;     /* N */
+  int64_t published_at;   /* N: time of the last message, in nanoseconds of the monotonic clock */
 } rl_topic;
 
 typedef struct rl_row {

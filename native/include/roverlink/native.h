@@ -23,7 +23,7 @@ extern "C" {
 
 #define RL_API __attribute__((visibility("default"))) /* what the library exports */
 #define RL_NONE 0xffffffffu                           /* no index, no bound */
-#define RL_INTERFACE 4 /* version of this interface; increase it with each change of this file that callers notice */
+#define RL_INTERFACE 5 /* version of this interface; increase it with each change of this file that callers notice */
 
 enum rl_result { RL_OK = 0, RL_HAND_OVER = 1, RL_WRONG_TABLE = 2 };
 
