@@ -489,7 +489,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     "the type of a plugin with another spelling": (
         "",
         _parameters("planner_server", "planner_plugins: [G]", "G: {plugin: 'nav2_navfn_planner::NavfnPlanner'}"),
-        ["error PLG101 did you mean 'nav2_navfn_planner/NavfnPlanner'?"],
+        ["warning PLG101 did you mean 'nav2_navfn_planner/NavfnPlanner'?"],
     ),
     "a range that the node corrects": ("", _parameters("imu_filter_madgwick", "world_frame: ENU"), ["warning PAR104"]),
     "transforms with seven words, with a period, and with a letter": (
@@ -761,7 +761,8 @@ def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.Ca
         }
     )
     assert main(["check-launch", "."]) == 0
-    extent = "1 of 2 launch files evaluated, 1 launch file of ROS 1, 1 of 1 parameter file not checked.\n"
+    extent = "1 of 2 launch files evaluated, 1 launch file of ROS 1, 1 of 1 parameter file not checked, "
+    extent += "with the catalogue of humble.\n"
     assert capsys.readouterr().out.endswith(extent)
 
 
