@@ -25,6 +25,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, read_catalogue
+from check_launch.distributions import checked_for, distributions_of
 from check_launch.expansion.child_process import DEFAULT_LIMITS, Limits
 from check_launch.expansion.launch_context import Packages
 from check_launch.extraction.workspace import with_workspace
@@ -56,8 +57,8 @@ def add(commands: Subparsers) -> None:
     parser.add_argument(
         "--distribution",
         choices=DISTRIBUTIONS,
-        default=DISTRIBUTIONS[0],
-        help="ROS 2 distribution whose packages are used (default: %(default)s)",
+        help="ROS 2 distribution of the workspace (default: ROS_DISTRO, or the one that its texts name; without one, "
+        "what only some distributions refuse is a warning)",
     )
     parser.add_argument(
         "--complete",
@@ -102,8 +103,8 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Check the files, print the findings, and return the exit code."""
     paths = [Path(text) for text in arguments.paths if _SET not in text]
-    catalogue = read_catalogue(arguments.distribution)
     if arguments.list:
+        catalogue = read_catalogue(arguments.distribution or DISTRIBUTIONS[0])
         for name, package in catalogue.packages.items():
             source = catalogue.sources[package.source]
             print(
@@ -116,12 +117,18 @@ def run(arguments: argparse.Namespace) -> int:
     files = list(files_to_check(paths, missing.append))
     if missing:
         raise SetupError(f"{missing[0]}: there is no launch file, and no file with parameters of ROS 2 nodes")
-    packages = Packages([*arguments.packages, *_tops(files), *filter(Path.is_dir, paths)])
-    catalogue = with_workspace(catalogue, packages, arguments.catalogue)
-    catalogue = with_own_programs(catalogue, _table_file(paths))
+    tops = [*_tops(files), *filter(Path.is_dir, paths)]
+    packages = Packages([*arguments.packages, *tops])
     values = dict(text.split(_SET, 1) for text in arguments.paths if _SET in text)
     limits = Limits(seconds=arguments.time_limit)
-    checked = Checker(catalogue, packages, arguments.complete, limits).check(files, values)
+
+    def check(distribution: str) -> Checked:
+        catalogue = with_workspace(read_catalogue(distribution), packages, arguments.catalogue)
+        catalogue = with_own_programs(catalogue, _table_file(paths))
+        return Checker(catalogue, packages, arguments.complete, limits).check(files, values)
+
+    distributions = (arguments.distribution,) if arguments.distribution else distributions_of(tops, packages)
+    checked = checked_for(distributions, check)
     if arguments.graph:
         _draw(checked, arguments.graph)
     found = Reported(

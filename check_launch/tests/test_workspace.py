@@ -45,7 +45,7 @@ def main():
     Other()
 """,
     "src/base/package.xml": "<package><name>base</name><version>1.0.0</version>"
-    "<export><build_type>ament_cmake</build_type></export></package>",
+    "<!-- <build_type>ament_python</build_type> --><export><build_type>ament_cmake</build_type></export></package>",
     "src/base/setup.py": "setup(entry_points={'console_scripts': ['wheels = base.other:main']})",
     "src/base/CMakeLists.txt": "project(base)\nadd_executable(wheels src/wheels.cpp)\n"
     "generate_parameter_library(base_parameters src/base_parameters.yaml)\n",

@@ -89,25 +89,29 @@ def _wait(receiver: Connection, pid: int, most: float) -> None:
     uses none.
     """
     # Most results come before the first look, and to look at all processes takes milliseconds.
-    begin, since = _processor_time(pid, [_PROCESSES / f"{pid}/stat"]), time.monotonic()
-    last = begin
+    begin, _ = _use(pid, [_PROCESSES / f"{pid}/stat"])
+    last, since = begin, time.monotonic()
     while not receiver.poll(min(_LOOK, most)):
-        now = _processor_time(pid, _PROCESSES.glob("[0-9]*/stat"))
-        if now - begin > most or (now == last and time.monotonic() - since > most):
-            raise ChildEndedError(f"it takes longer than {most:g} s")
-        if now != last:
+        now, is_ready = _use(pid, _PROCESSES.glob("[0-9]*/stat"))
+        if now != last or is_ready:
             last, since = now, time.monotonic()
+        if now - begin > most or time.monotonic() - since > most:
+            raise ChildEndedError(f"it takes longer than {most:g} s")
 
 
-def _processor_time(group: int, files: Iterable[Path]) -> float:
-    """Return the seconds that those of some processes have used which are of a group; 0 if the system does not tell."""
-    ticks = 0
+def _use(group: int, files: Iterable[Path]) -> tuple[float, bool]:
+    """Return the seconds of processor time of those of some processes that are of a group, and if one could go on.
+
+    It is 0 and false if the system does not tell.
+    """
+    ticks, is_ready = 0, False
     for file in files:
         with contextlib.suppress(OSError):  # it has ended meanwhile
             words = file.read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()
             if int(words[2]) == group:
                 ticks += sum(map(int, words[11:15]))  # utime to cstime (proc_pid_stat(5))
-    return ticks / os.sysconf("SC_CLK_TCK")
+                is_ready |= words[0] in "RD"  # others use the processor or the disk
+    return ticks / os.sysconf("SC_CLK_TCK"), is_ready
 
 
 def _result(data: bytes) -> Any:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import re
 from collections import UserDict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -80,10 +81,22 @@ class Packages:
         top = self.folders[package]
         return next((one for one in (top, top / "src", top / "python") if any((one / package).glob("*.py"))), None)
 
+    @cached_property
+    def _beside(self) -> Mapping[str, list[Path]]:
+        """Files that are in no package, by their names."""
+        found: dict[str, list[Path]] = {}
+        for top in self._tops:
+            for folder, inner, names in source_folders(top):
+                if "package.xml" in names or len(folder.relative_to(top).parts) >= _DEPTH:
+                    inner.clear()
+                for name in names if "package.xml" not in names else ():
+                    found.setdefault(name, []).append(folder / name)
+        return found
+
     def existing(self, path: str, folder: str = "") -> str:
         """Return the path of a file; a relative one is searched in a folder, and where users run `ros2 launch`.
 
-        In a source tree, a file may be in another folder than in the share folder.
+        In a source tree, a file may be in another folder than in the share folder, or beside the package.
         """
         candidates = [os.path.normpath(os.path.join(start, path)) for start in (folder, "", *map(str, self._tops))]
         if found_there := next(filter(os.path.exists, candidates), None):
@@ -91,7 +104,8 @@ class Packages:
         path = candidates[0]
         for share in self.folders.values():
             if Path(path).is_relative_to(share):
-                found = list(share.rglob(os.path.basename(path)))
+                name = os.path.basename(path)
+                found = list(share.rglob(name)) or self._beside.get(name, [])
                 return str(found[0]) if len(found) == 1 else path
         return path
 

@@ -52,6 +52,8 @@ _COMPLETE = re.compile(r"^[ \t]*(?:#|<!--)[ \t]*check-launch: complete\b", re.MU
 class Checked:
     """Result of a check."""
 
+    distribution: str
+    """That of the catalogue."""
     findings: list[Diagnostic] = field(default_factory=list)
     systems: list[tuple[str, System]] = field(default_factory=list)
     """System that each launch file starts with the defaults of its arguments, by the name of the file."""
@@ -81,6 +83,7 @@ class Checked:
             parts.append(f"{unread} of {counted(self.parameter_files, 'parameter file')} not checked")
         elif self.parameter_files:
             parts.append(f"{counted(self.parameter_files, 'parameter file')} checked")
+        parts.append(f"with the catalogue of {self.distribution}")
         return ", ".join(parts)
 
 
@@ -116,7 +119,7 @@ class Checker:
 
     def check(self, files: Iterable[Path], arguments: Mapping[str, str]) -> Checked:
         """Check launch files with some values of their arguments, and parameter files."""
-        checked, paths = Checked(), list(files)
+        checked, paths = Checked(self._catalogue.distribution), list(files)
         sections = Sections(self._catalogue)
         launch_files = [path for path in paths if path.name.endswith(LAUNCH_ENDINGS)]
         checked.launch_files = {str(path.resolve()) for path in launch_files}
@@ -159,7 +162,7 @@ class Checker:
 
         Python launch files are left out: they are programs, and nobody has asked for them.
         """
-        checked = Checked()
+        checked = Checked(self._catalogue.distribution)
         for path in sorted({loader for file in alone.values() for loader in _loaders(file)}):
             with suppress(UnreadableFileError):
                 self._check_launch_file(path, {}, checked, sections, set(alone))

@@ -102,8 +102,9 @@ class ParameterView:
 
     def may_have(self, name: str) -> bool:
         """Return true for a parameter that is known, or one that an unknown class may have."""
-        is_other = self.is_misspelt(name) or self.loaded_node(name)
-        return self.known(name) is not None or (self.is_open(name) and not is_other)
+        if self.known(name) is not None:
+            return True
+        return self.is_open(name) and not (self.is_misspelt(name) or self.loaded_node(name))
 
     def loaded_node(self, name: str) -> str:
         """Return the node to which a parameter belongs by its beginning, if this node creates it for a plugin.

@@ -1,0 +1,84 @@
+"""The distribution that a workspace is for, and findings that only some of the distributions have."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+from check_launch.catalogue.catalogue_files import DISTRIBUTIONS
+from check_launch.expansion.launch_context import Packages
+from check_launch.rules.checking import Checked
+from check_launch.rules.launch_rules import as_warning
+from roverlink import bounded_files
+from roverlink.generator.diagnostics import Diagnostic, Severity, Span
+
+_OTHERS = ("kinetic", "melodic", "noetic", "dashing", "eloquent", "foxy", "galactic", "iron", "lyrical", "rolling")
+_NAMED = re.compile(rf"\bros[ _-]?2?(?:[_-]distro\w*)?\W{{1,4}}({'|'.join((*DISTRIBUTIONS, *_OTHERS))})\b".encode())
+"""`ROS 2 Humble`, `/opt/ros/humble`, `ros:humble`, `ros-humble-nav2-bringup`, `ROS_DISTRO=humble`."""
+_BESIDE = ("*", "*/*", ".github/workflows/*")
+_LARGEST = 1 << 18  # bytes of a text that somebody has written
+_COMPARED = (Severity.ERROR, Severity.WARNING)
+_Key = tuple[str, Span, Severity]
+
+
+def distributions_of(tops: Iterable[Path], packages: Packages) -> tuple[str, ...]:
+    """Return the distributions that a workspace may be for, the likeliest first.
+
+    It is one only if the variable ROS_DISTRO has it, or if the texts of the workspace name no other one. ``tops`` are
+    its folders, and ``packages`` those in them.
+    """
+    if named := os.environ.get("ROS_DISTRO"):
+        return (named,)
+    counts = Counter(name for text in _texts(tops, packages) for name in {*_NAMED.findall(text.lower())})
+    count_of = {name.decode(): count for name, count in counts.items()}
+    return (
+        tuple(count_of) if len(count_of) == 1 else tuple(sorted(DISTRIBUTIONS, key=lambda name: -count_of.get(name, 0)))
+    )
+
+
+def _texts(tops: Iterable[Path], packages: Packages) -> Iterator[bytes]:
+    """Yield the texts of a workspace that stand beside its packages, such as README.md and docker/Dockerfile."""
+    of_packages = {path for folders in packages.copies.values() for one in folders for path in (one, *one.parents)}
+    for top in {path.resolve() for path in tops}:
+        for path in (path for pattern in _BESIDE for path in top.glob(pattern)):
+            if path.parent == top or path.parent not in of_packages:
+                with suppress(OSError):
+                    yield bounded_files.read(path, _LARGEST)
+
+
+def checked_for(distributions: Sequence[str], check: Callable[[str], Checked]) -> Checked:
+    """Check for the first of the distributions that has a catalogue, and say which findings others do not have.
+
+    ``check`` checks for one distribution. What is an error in one distribution only is no certain error.
+    """
+    first = next((name for name in distributions if name in DISTRIBUTIONS), DISTRIBUTIONS[0])
+    checked = check(first)
+    if not any(finding.severity in _COMPARED for finding in checked.findings):
+        return checked
+    others = {name: _keys(check(name)) if name in DISTRIBUTIONS else None for name in distributions if name != first}
+    checked.findings = [_compared(finding, first, others) for finding in checked.findings]
+    return checked
+
+
+def _compared(finding: Diagnostic, first: str, others: Mapping[str, Set[_Key] | None]) -> Diagnostic:
+    parts = [
+        f"there is no catalogue of {name}" if keys is None else f"not in {name}"
+        for name, keys in others.items()
+        if keys is None or _key(finding) not in keys
+    ]
+    if finding.severity not in _COMPARED or not parts:
+        return finding
+    return as_warning(replace(finding, message=f"{finding.message} (in {first}; {', '.join(parts)})"))
+
+
+def _key(finding: Diagnostic) -> _Key:
+    return finding.rule.id, finding.span, finding.severity
+
+
+def _keys(checked: Checked) -> set[_Key]:
+    return {_key(finding) for finding in checked.findings}
