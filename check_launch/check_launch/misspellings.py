@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from difflib import SequenceMatcher, get_close_matches
+from functools import lru_cache
 
 _OF_MANY = re.compile(r"\d|(?<![A-Za-z])[xyz](?![A-Za-z])")
 """Part of a name that tells similar things apart: a digit, or the letter of an axis."""
@@ -36,6 +37,7 @@ def did_you_mean(names: str | Sequence[str], otherwise: str = "") -> str:
     return f"did you mean {spelled}?" if spelled else otherwise
 
 
+@lru_cache(1 << 16)  # many launch files give the same parameters
 def is_misspelling(name: str, other: str) -> bool:
     """Return true if a name is another one with a letter or two wrong."""
     if name == other or not is_near(name, other, 1 if min(len(name), len(other)) < _SHORT else 2):

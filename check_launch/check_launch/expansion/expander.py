@@ -187,7 +187,9 @@ class Expander:
         no news that they are not there. ``limits`` are those of the processes in which launch files run.
         ``environment`` has the variables that the rover's computer is known to have.
         """
-        self._packages, self._shown, self._stored, self.known = packages, shown, stored, known
+        self._packages, self._stored, self.known = packages, stored, known
+        # Not a method: the nodes have this function, and go from process to process.
+        self.shown = shown
         self._limits, self.environment = limits, environment
         self._declarative: dict[str, tuple[list[Action], list[Diagnostic]]] = {}
         self._python: dict[str, PythonFile] = {}
@@ -201,7 +203,7 @@ class Expander:
         """
         found: list[Expansion] = []
         path = path.resolve()  # the child has another working folder
-        place = Span(self._shown(str(path)))
+        place = Span(self.shown(str(path)))
         try:
             for expansion in results(lambda: self._variants(path, arguments), self._limits):
                 found.append(expansion)
@@ -218,7 +220,7 @@ class Expander:
         others = list(itertools.islice(variations(first), _MOST_VARIATIONS + 1))
         if len(others) > _MOST_VARIATIONS:
             message = f"the arguments have many values; the file is checked with {_MOST_VARIATIONS} of them"
-            first.findings.append(NotExpanded.at(Span(self._shown(str(path))), message))
+            first.findings.append(NotExpanded.at(Span(self.shown(str(path))), message))
         yield first
         for values in others[:_MOST_VARIATIONS]:
             yield self.expand(path, {**arguments, **values})
@@ -231,10 +233,10 @@ class Expander:
         run, file = _Run(self, self._packages, arguments), str(path.resolve())
         run.context.file = file
         try:
-            run.include(file, Span(self._shown(file)))
+            run.include(file, Span(self.shown(file)))
         except (TooLongTextError, RecursionError) as error:
             reason = f"grows without end: {error}" if isinstance(error, TooLongTextError) else "is nested too deeply"
-            place = run.context.place if run.context.place.file else Span(self._shown(file))
+            place = run.context.place if run.context.place.file else Span(self.shown(file))
             raise UnreadableFileError(place, f"the launch file {reason}") from error
         undeclared = dict.fromkeys(run.context.undeclared)
         run.result.undeclared = [one for one in undeclared if one[0] not in run.without_default]
@@ -246,7 +248,7 @@ class Expander:
         if path.endswith(".py"):
             return self.python(path).actions(), []
         if path not in self._declarative:
-            self._declarative[path] = read_declarative(Path(path), self._shown(path))
+            self._declarative[path] = read_declarative(Path(path), self.shown(path))
         return self._declarative[path]
 
     def absent(self, path: str) -> Mapping[str, Span]:
@@ -260,13 +262,13 @@ class Expander:
     def python(self, path: str) -> PythonFile:
         """Return a Python launch file. Raises `UnreadableFileError`."""
         if path not in self._python:
-            self._python[path] = PythonFile(Path(path), self._shown(path), self._packages, self.environment)
+            self._python[path] = PythonFile(Path(path), self.shown(path), self._packages, self.environment)
         return self._python[path]
 
     def sections(self, path: str, text_of: Callable[[str], str | None] | None, of_component: bool) -> list[Section]:
         """Return the sections of a parameter file (see `ParameterFile.sections`). Raises `UnreadableFileError`."""
         if path not in self._parameter_files:
-            self._parameter_files[path] = ParameterFile(Path(path), self._shown(path))
+            self._parameter_files[path] = ParameterFile(Path(path), self.shown(path))
         return self._parameter_files[path].sections(text_of, of_component)
 
     def refused(self, path: str) -> tuple[str, Span] | None:
@@ -280,10 +282,6 @@ class Expander:
     def stored_files(self, package: str) -> list[str]:
         """Return the paths of the launch files of a package that have descriptions."""
         return [path for name, path in self._stored if name == package]
-
-    def shown(self, path: str) -> str:
-        """Return the name of a file in messages."""
-        return self._shown(path)
 
 
 class EndlessExpansionError(UnreadableFileError):

@@ -102,9 +102,9 @@ class LaunchImports(MetaPathFinder, Loader):
     - Instead of any other module that the launch file itself imports, it gets `Ignored` objects.
     """
 
-    def __init__(self, tree: ast.Module, stand_ins: Mapping[str, ModuleType], packages: Packages) -> None:
-        self._stand_ins, self._packages = stand_ins, packages
-        self._imported = dict(_imported(tree))
+    def __init__(self, imported: Mapping[str, int], stand_ins: Mapping[str, ModuleType], packages: Packages) -> None:
+        """``imported`` are the modules that the launch file imports (see `imported_modules`)."""
+        self._imported, self._stand_ins, self._packages = imported, stand_ins, packages
         self.missing: dict[str, int] = {}
         """Modules that are not there, each with the line of the import."""
 
@@ -145,7 +145,7 @@ class LaunchImports(MetaPathFinder, Loader):
         """Do nothing: the module is complete."""
 
 
-def _imported(node: ast.AST) -> Iterator[tuple[str, int]]:
+def imported_modules(node: ast.AST) -> Iterator[tuple[str, int]]:
     """Yield the top-level modules that a file imports, with the line; not those whose absence it handles."""
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.Import):
@@ -153,4 +153,4 @@ def _imported(node: ast.AST) -> Iterator[tuple[str, int]]:
         elif isinstance(child, ast.ImportFrom) and child.module and not child.level:
             yield child.module.partition(".")[0], child.lineno
         elif not isinstance(child, ast.Try):
-            yield from _imported(child)
+            yield from imported_modules(child)

@@ -23,7 +23,7 @@ from check_launch.expansion import real_launch
 from check_launch.expansion.actions import Action
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.launch_context import UNKNOWN_SHARE, Context, Packages
-from check_launch.expansion.launch_imports import Ignored, LaunchImports
+from check_launch.expansion.launch_imports import Ignored, LaunchImports, imported_modules
 from check_launch.expansion.stand_ins import StandIns, actions_of
 from check_launch.expansion.substitutions import RUN_TIME, TooLongTextError, UnknownTextError
 from roverlink import bounded_files
@@ -63,6 +63,7 @@ class PythonFile:
             raise UnreadableFileError(Span(shown), f"the file has no function {_FUNCTION}")
         self._stand_ins.read(self._tree)
         self._imports_all = any(isinstance(node, ast.alias) and node.name == "*" for node in ast.walk(self._tree))
+        self._imported = dict(imported_modules(self._tree))
         self._missing: dict[str, int] = {}
         self._has_opened_unknown = False
         self._environment = _Environment(str(path), environment)
@@ -104,7 +105,7 @@ class PythonFile:
     def _running(self) -> Iterator[None]:
         """Let the file import the stand-ins, and turn its errors into ours."""
         modules = self._stand_ins.modules()
-        finder = LaunchImports(self._tree, modules, self._packages)
+        finder = LaunchImports(self._imported, modules, self._packages)
         hidden = {name: sys.modules.pop(name) for name in list(sys.modules) if name.partition(".")[0] in _REPLACED}
         before, path, environment = set(sys.modules), list(sys.path), os.environ
         sys.modules.update({**(hidden if real_launch.is_installed() else {}), **modules})

@@ -44,6 +44,9 @@ _READING = frozenset({"get_parameter", "get_parameter_or"})
 _MAKING = frozenset({"make_unique", "make_shared"})
 _NODE = re.compile(r"^(?:\*?this|&?\*?_?node_?|nh_?|parent_?|&\w+|\w*node\w*|shared_from_this\(\)|node_?->\w+\(\)|n)$")
 _FILTER = re.compile(r"message_filters::Subscriber<\s*([\w:]+)")
+_TYPE_BEFORE = re.compile(r"([\w:]+(?:<[\w:, ]+>)?)\s*(?:\*|>)?\s*$")
+"""The type before a name that is declared."""
+_LONGEST_TYPE = 400  # characters
 _NAMED = re.compile(r"\b(\w+)::\1\([^{};]*?\)\s*:\s*(?:\w+::)*\w+\(\s*\"(\w+)\"")
 """A constructor that gives a name to its base class, a node."""
 _GIVEN = re.compile(r"[({,]\s*\*?(?:this|shared_from_this\(\)|weak_from_this\(\)|get_node\(\))\s*(?=[,)}])")
@@ -310,7 +313,9 @@ class _PackageReader:
         if "getTransport" in " ".join(call.arguments) or "image_transport" in " ".join(call.arguments):
             return "sensor_msgs::msg::Image"
         for text in self._texts_of(call.owner, source):
-            declared = re.search(rf"([\w:]+(?:<[\w:, ]+>)?)\s*(?:\*|>)?\s*{re.escape(call.receiver)}\s*;", text)
+            names = re.finditer(rf"{re.escape(call.receiver)}\s*;", text)
+            before = (_TYPE_BEFORE.search(text, max(0, name.start() - _LONGEST_TYPE), name.start()) for name in names)
+            declared = next(filter(None, before), None)
             if declared and (match := _FILTER.search(self._meaning(declared[1]))):
                 return match[1]
             if declared and "SubscriberFilter" in declared[1]:

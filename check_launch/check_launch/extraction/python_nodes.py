@@ -78,13 +78,13 @@ class _Module:
     """One file."""
 
     def __init__(self, name: str, tree: ast.Module) -> None:
-        self._name, self._tree = name, tree
+        self._name, self._body, self._parts = name, tree.body, [*ast.walk(tree)]
         self._imported: dict[str, str] = {}
         self._constants: dict[str, ast.expr] = {}
 
     def read(self, found: PythonNodes) -> None:
         """Add the classes of the file."""
-        for node in ast.walk(self._tree):
+        for node in self._parts:
             if isinstance(node, ast.Import):
                 for alias in node.names:
                     self._imported[alias.asname or alias.name.partition(".")[0]] = (
@@ -93,22 +93,17 @@ class _Module:
             elif isinstance(node, ast.ImportFrom):
                 for alias in node.names:
                     self._imported[alias.asname or alias.name] = f"{node.module}.{alias.name}"
-        for node in self._tree.body:
+        for node in self._body:
             if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
                 self._constants[node.targets[0].id] = node.value
         own: dict[str, str] = {}
-        for node in self._tree.body:
+        for node in self._body:
             if isinstance(node, ast.ClassDef) and (bases := self._bases(node, own)):
                 own[node.name] = f"{self._name}.{node.name}"
                 found.classes[own[node.name]] = self._class(own[node.name], bases, node)
-        started = [
-            call.func.id
-            for call in ast.walk(self._tree)
-            if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id in own
-        ]
-        makes_others = any(
-            isinstance(call, ast.Call) and _short(call.func) in ("create_node", "Node") for call in ast.walk(self._tree)
-        )
+        calls = [part.func for part in self._parts if isinstance(part, ast.Call)]
+        started = [call.id for call in calls if isinstance(call, ast.Name) and call.id in own]
+        makes_others = any(_short(call) in ("create_node", "Node") for call in calls)
         started = list(dict.fromkeys(started)) or list(own)
         if own or makes_others or self._imported_node_is_started():
             found.of_module[self._name] = own[started[0]] if len(started) == 1 and not makes_others else ""
@@ -142,7 +137,8 @@ class _Module:
         links: dict[str, str] = {}
         values = dict(self._constants)
         functions: dict[str, str] = {}
-        for part in ast.walk(node):
+        parts = [*ast.walk(node)]
+        for part in parts:
             if isinstance(part, ast.Assign) and len(part.targets) == 1:
                 target = _dotted(part.targets[0])
                 if not target or target.startswith("."):
@@ -153,13 +149,13 @@ class _Module:
                 if read := _read_parameter(part.value):
                     links[target] = read
         reader = _Reader(facts, values, links, functions, self._type)
-        for part in ast.walk(node):
+        for part in parts:
             if isinstance(part, ast.Call):
                 reader.call(part)
         unknown = [base for base in bases if "::" not in base and "." not in base and base not in ("object", "ABC")]
         facts.is_partial = facts.is_partial or bool(unknown)
         # Descriptors may stand anywhere in the file.
-        if any(getattr(part, "arg", getattr(part, "attr", "")) == DYNAMIC_TYPING for part in ast.walk(self._tree)):
+        if any(getattr(part, "arg", getattr(part, "attr", "")) == DYNAMIC_TYPING for part in self._parts):
             facts.parameters = {key: replace(fact, type="") for key, fact in facts.parameters.items()}
         return facts
 
