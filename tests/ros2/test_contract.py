@@ -146,7 +146,7 @@ _GOES_ON = "the thread {} goes on after TypeError('a bug')"
         ("runtime.bridge.qos_watch.QosWatch.run_due", (), _ENDS.format("graph-watch")),
         ("runtime.middleware.{}.serve", _PYTHON, _ENDS.format("{}-take")),
         ("runtime.middleware.{}.serve", _PYTHON, "the thread {}-take hangs, so the node does not leave ROS 2"),
-        ("runtime.monitoring.monitor.Monitor.sample", (), _GOES_ON.format("monitor")),
+        ("runtime.monitoring.liveness.SilenceLog.take", (), _GOES_ON.format("monitor")),
         ("link_page.live_page.LivePage.tick", ("--page", "0"), _GOES_ON.format("page")),
         ("runtime.middleware.rosout.Log.__init__", (), ": received "),
     ],
