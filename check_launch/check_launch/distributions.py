@@ -34,11 +34,10 @@ def distributions_of(tops: Iterable[Path], packages: Packages) -> tuple[str, ...
     """
     if named := os.environ.get("ROS_DISTRO"):
         return (named,)
-    counts = Counter(name for text in _texts(tops, packages) for name in {*_NAMED.findall(text.lower())})
-    count_of = {name.decode(): count for name, count in counts.items()}
-    return (
-        tuple(count_of) if len(count_of) == 1 else tuple(sorted(DISTRIBUTIONS, key=lambda name: -count_of.get(name, 0)))
-    )
+    counts = Counter(name.decode() for text in _texts(tops, packages) for name in {*_NAMED.findall(text.lower())})
+    if len(counts) == 1:
+        return tuple(counts)
+    return tuple(sorted(DISTRIBUTIONS, key=lambda name: -counts[name]))
 
 
 def _texts(tops: Iterable[Path], packages: Packages) -> Iterator[bytes]:

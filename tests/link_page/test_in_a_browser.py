@@ -78,7 +78,7 @@ def test_an_operator_watches_a_drive(visitor: Visitor) -> None:
         link.driver_speaks = False
         visitor.until(lambda: "told to stop: drive_motor" in visitor.text("#peers"))
         visitor.until(lambda: "no command drive_motor for " in visitor.text("#alarms"))
-        visitor.until(lambda: _worst(visitor).startswith("✕ ERROR: "))
+        visitor.until(lambda: _worst(visitor).startswith("✕ ERROR: no command drive_motor for "))
         assert "at rest, no command yet: arm_ctrl" in visitor.text("#peers")
         assert "STOP" in visitor.text("#rows [data-key='drive_motor'] .state")
         visitor.until(lambda: visitor.run("return beeps") > before)

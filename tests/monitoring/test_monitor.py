@@ -152,6 +152,8 @@ def test_stops_of_the_deadman() -> None:
     bridge.let(0.5)
     row = bridge.row("drive_motor")
     assert (row.stops, row.stopping, row.message) == (1, True, "no message yet; the bridge sends the stop")
+    bridge.let(10)
+    assert bridge.row("drive_motor").stopping
     bridge.account.count_sent("drive_motor", 1)
     bridge.let(0.5)
     row = bridge.row("drive_motor")

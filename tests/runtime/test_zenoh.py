@@ -228,9 +228,8 @@ def test_what_a_link_held_back_is_no_command(
     with Rig(middleware=lambda _: join()) as rig:
 
         def send(number: int, clock_s: float) -> None:
-            publisher.put(
-                messages[number], attachment=struct.pack("<qqB16s", number, now + int(clock_s * 1e9), 16, b"g" * 16)
-            )
+            attachment = struct.pack("<qqB16s", number, now + int(clock_s * 1e9), 16, b"g" * 16)
+            publisher.put(messages[number], attachment=attachment)
 
         def first() -> bool:
             send(0, next(clocks))

@@ -53,7 +53,7 @@ class Checked:
     """Result of a check."""
 
     distribution: str
-    """That of the catalogue."""
+    """Distribution of the catalogue."""
     findings: list[Diagnostic] = field(default_factory=list)
     systems: list[tuple[str, System]] = field(default_factory=list)
     """System that each launch file starts with the defaults of its arguments, by the name of the file."""
