@@ -145,6 +145,8 @@ class DdsMiddleware(Middleware):
     def __init__(self, node: NodeIdentity, parameters: NodeParameters | None = None) -> None:
         self._domain_id = domain_id = ros_domain()
         self._writers = MatchedWriters()
+        # Cyclone DDS calls the listeners of what was not deleted until the domain has gone, so Python must keep them.
+        _unfinished.add(self)
         try:
             self._participant = _join(domain_id, self._writers)
         except DDSException as error:
@@ -281,6 +283,7 @@ class DdsMiddleware(Middleware):
         for publisher in self._publishers:
             publisher.leave(max(0.0, deadline - time.monotonic()))
         _leave(self._participant, self._domain_id)
+        _unfinished.discard(self)
 
     @cached_property
     def _graph(self) -> DdsGraph:
@@ -334,6 +337,8 @@ class DdsMiddleware(Middleware):
 _domains: dict[int, tuple[Domain, str]] = {}
 """Domains that this process has configured, each with the configuration."""
 _joining = threading.Lock()
+_unfinished: set[DdsMiddleware] = set()
+"""Nodes that have not left their domain, perhaps because a thread hangs."""
 
 
 def _join(domain_id: int, listener: Listener) -> DomainParticipant:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import gc
 import itertools
 import logging
 import struct
 import subprocess
 import sys
 import threading
+import weakref
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
@@ -334,6 +336,28 @@ def test_a_subscription_tells_that_its_last_publisher_has_left(join: Open, topic
     wait_until(subscription.has_publishers, "the publisher")
     node.close()
     assert left.wait(PATIENCE_S)
+
+
+@pytest.mark.slow
+def test_a_node_that_cannot_leave_is_kept(join: Open, topic: str) -> None:
+    """Cyclone DDS goes on to tell it of publishers, so Python must not free it, even after its thread has gone on."""
+    publisher, hangs, go_on = join().publisher(topic, ImuSensorInformation, Qos()), threading.Event(), threading.Event()
+
+    def take(_: Sequence[bytes]) -> None:
+        hangs.set()
+        go_on.wait(PATIENCE_S)
+
+    node = open_middleware("dds", NodeIdentity("hangs"))
+    node.subscribe(topic, ImuSensorInformation, Qos(), take)
+    wait_until(lambda: publisher.publish(_numbered(1)) and hangs.is_set(), "a message")
+    threads = threading.enumerate()
+    node.close()
+    kept = weakref.ref(node)
+    del node
+    go_on.set()
+    wait_until(lambda: len(threading.enumerate()) < len(threads), "the thread to end")
+    gc.collect()
+    assert kept() is not None
 
 
 # --- the environment --------------------------------------------------------------------------------------------
