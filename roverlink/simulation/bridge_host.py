@@ -171,6 +171,7 @@ class BridgeThread:
         """Stop the bridge after it has handled the datagrams that have arrived; return its counters."""
         self._bridge.stop()
         self._thread.join()
+        self._stack.close()  # its timers send datagrams until it is closed
         return self._bridge.account.as_dict()
 
     def __exit__(self, *_: object) -> None:
