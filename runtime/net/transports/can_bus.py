@@ -21,8 +21,8 @@ _FLOW_CONTROL_S = 0.25
 """Longest time in seconds for the flow control of the end. No other datagram can leave meanwhile."""
 _NEXT_FRAME_S = 1.0
 """Longest time in seconds between two frames of a datagram that arrives."""
-_ROOM_S = 0.5
-"""Longest time in seconds for the adapter to have room for a frame."""
+_ROOM_S = 2.0
+"""Longest time in seconds for the adapter to have room for a frame. A busy computer may stand still for half a second."""
 _PAUSE_S = 0.001
 _POLL_S = 0.02
 """Longest wait in seconds of can-isotp's threads, before they look whether a timeout is over."""
