@@ -67,6 +67,12 @@ Server::Server(const rclcpp::NodeOptions & options)
   pub_ = create_publisher<std_msgs::msg::Empty>(text.str().c_str(), 1);
   pub_ = create_publisher<std_msgs::msg::Empty>(known_later(1), 1);
   pub_ = create_publisher<std_msgs::msg::Char>("bare");
+  declare_parameter("stamped", true);
+  get_parameter("stamped", stamped_);
+  if (stamped_ && callback) {
+    cmd_ = create_publisher<geometry_msgs::msg::TwistStamped>("cmd", 1);
+  } else if (camera_) {}
+  if (stamped_) {} else { cmd_ = create_publisher<geometry_msgs::msg::Twist>("cmd", 1); }
   camera_ = image_transport::create_camera_publisher(this, CAMERA, rclcpp::QoS{9}.get_rmw_qos_profile());
 }
 Base::Base(const std::string & name, const rclcpp::NodeOptions & options) : Node(name, options) {
@@ -128,17 +134,20 @@ def test_parameters_have_types_and_defaults(catalogue: dict[str, Any]) -> None:
         "radius": {"type": "double", "default": 0.5},
         "scan_topic": {"type": "string", "default": "scan"},
         "separator": {"type": "string", "default": "a;b"},
+        "stamped": {"type": "bool", "default": True},
         "use_sim_time": {"type": "bool", "default": False},
     }
 
 
 def test_topics_have_types_and_qos(catalogue: dict[str, Any]) -> None:
-    """A topic is a text, a sum, the value of a parameter, or what the maker of an object gives."""
-    keys = ("kind", "name", "type", "reliability", "durability")
+    """A topic is a text, a sum, the value of a parameter, or what the maker of an object gives; some are conditional."""
+    keys = ("kind", "name", "type", "reliability", "durability", "when")
     assert catalogue["classes"]["my_layers::Server"]["endpoints"] == [
         dict(zip(keys, values))
         for values in (
             ("publisher", "bare", "std_msgs/msg/Char", "reliable", "volatile"),
+            ("publisher", "cmd", "geometry_msgs/msg/Twist", "reliable", "volatile", "not ($(stamped))"),
+            ("publisher", "cmd", "geometry_msgs/msg/TwistStamped", "reliable", "volatile", "$(stamped)"),
             ("publisher", "eye/camera_info", "sensor_msgs/msg/CameraInfo", "reliable", "volatile"),
             ("publisher", "eye/image", "sensor_msgs/msg/Image", "reliable", "volatile"),
             ("publisher", "rocks/base_link", "std_msgs/msg/Empty", "reliable", "volatile"),

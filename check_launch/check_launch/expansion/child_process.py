@@ -49,6 +49,10 @@ class ChildEndedError(Exception):
     """Raised if a child process ended before its work was done; the text is the reason."""
 
 
+class ChildWaitsError(ChildEndedError):
+    """Raised if a child process has waited too long, without processor time."""
+
+
 def results(work: Callable[[], Iterable[Result]], limits: Limits) -> Iterator[Result]:
     """Yield what ``work`` yields, which runs in a child process.
 
@@ -95,8 +99,10 @@ def _wait(receiver: Connection, pid: int, most: float) -> None:
         now, is_ready = _use(pid, _PROCESSES.glob("[0-9]*/stat"))
         if now != last or is_ready:
             last, since = now, time.monotonic()
-        if now - begin > most or time.monotonic() - since > most:
+        if now - begin > most:
             raise ChildEndedError(f"it takes longer than {most:g} s")
+        if time.monotonic() - since > most:
+            raise ChildWaitsError(f"it waits longer than {most:g} s")
 
 
 def _use(group: int, files: Iterable[Path]) -> tuple[float, bool]:

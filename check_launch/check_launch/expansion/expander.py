@@ -30,7 +30,7 @@ from check_launch.expansion.actions import (
     SetRemap,
     StartNode,
 )
-from check_launch.expansion.child_process import DEFAULT_LIMITS, ChildEndedError, Limits, results
+from check_launch.expansion.child_process import DEFAULT_LIMITS, ChildEndedError, ChildWaitsError, Limits, results
 from check_launch.expansion.declarative_files import OfRos1Error, read_declarative
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.launch_context import Context, Packages, package_of_share
@@ -43,7 +43,7 @@ from check_launch.expansion.parameter_files import (
     rewritten,
     typed,
 )
-from check_launch.expansion.python_files import NeedsMoreError, PythonFile
+from check_launch.expansion.python_files import NeedsMoreError, PythonFile, is_python
 from check_launch.expansion.stored_files import actions_of_stored
 from check_launch.expansion.substitutions import (
     RUN_TIME,
@@ -208,10 +208,12 @@ class Expander:
             for expansion in results(lambda: self._variants(path, arguments), self._limits):
                 found.append(expansion)
         except ChildEndedError as error:
-            if not found:
+            if not (found or isinstance(error, ChildWaitsError)):
                 raise UnreadableFileError(place, f"the file cannot be evaluated: {error}") from error
-            message = f"the file cannot be evaluated with all values of its arguments: {error}"
-            found[0].findings.append(NotExpanded.at(place, message))
+            part = " with all values of its arguments" if found else ""
+            if not found:  # it waits for a device or a program, which may be there on the robot
+                found.append(Expansion(dict(arguments), unevaluated={str(path)}))
+            found[0].findings.append(NotExpanded.at(place, f"the file cannot be evaluated{part}: {error}"))
         return found
 
     def _variants(self, path: Path, arguments: Mapping[str, str]) -> Iterator[Expansion]:
@@ -245,7 +247,7 @@ class Expander:
 
     def actions(self, path: str) -> tuple[list[Action], list[Diagnostic]]:
         """Return the actions of a launch file. Raises `UnreadableFileError`, `NeedsMoreError` or `OfRos1Error`."""
-        if path.endswith(".py"):
+        if is_python(Path(path)):
             return self.python(path).actions(), []
         if path not in self._declarative:
             self._declarative[path] = read_declarative(Path(path), self.shown(path))
@@ -569,7 +571,7 @@ class _Run:
             self.result.skipped.setdefault(missing[0], action.place)
             return
         try:
-            if self._path.endswith(".py"):
+            if is_python(Path(self._path)):
                 actions = self._expander.python(self._path).called(action.function, self.context)
                 self._note_missing(self._path)
                 self._run(actions)

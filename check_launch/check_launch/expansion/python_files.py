@@ -251,6 +251,17 @@ def line_of_launch_description(tree: ast.Module) -> int:
     return next(lines, 0)
 
 
+def is_python(path: Path) -> bool:
+    """Return true for a file that `ros2 launch` reads as Python: any that declares the function and is no XML."""
+    if path.suffix != ".launch":
+        return path.suffix == ".py"
+    try:
+        text = bounded_files.read(path).lstrip()
+    except OSError:
+        return False
+    return not text.startswith(b"<") and f"def {_FUNCTION}(".encode() in text
+
+
 def is_launch_program(path: Path) -> bool:
     """Return true if a Python file can be read, and declares the function that `ros2 launch` calls."""
     try:

@@ -32,6 +32,7 @@ _IN_PLUGIN = re.compile(r"^\{dwb_plugin_name_\}\.\{name_\}\.")
 """Beginning of the parameters of a critic, which is a plugin in a plugin."""
 _PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 _WHOLE = re.compile(r"^\{[\w.()>-]+\}")
+_VALUE = re.compile(r"\$\(([^()]*(?:\(\))?[^()]*)\)")
 _TESTS = re.compile(r"test|benchmark|system_tests|visual_testing|examples_tf2_py")
 _KNOWN = re.compile(r"^[\w#]+$")
 
@@ -249,6 +250,12 @@ class Assembler:
             parameters |= {**of_node}
             of_node = {}
         names = [member for member, _ in members]
+        all_declared = {**parameters, **of_node, **of_parent}
+        valued = {name for name, parameter in all_declared.items() if parameter.default is not None}
+        endpoints = [
+            endpoint if set(_VALUE.findall(endpoint.when)) <= valued else replace(endpoint, when="")
+            for endpoint in endpoints
+        ]
         default = next(filter(None, (self._classes[member].default_name for member in names)), "")
         return NodeClass(
             name,
@@ -378,7 +385,8 @@ class Assembler:
     def _endpoints_of(self, name: str, topics: Sequence[str]) -> Iterator[Endpoint]:
         for fact in self._classes[name].endpoints:
             for spelled in self._topic_names(fact, name, topics):
-                yield Endpoint(fact.kind, spelled, fact.type, self._relative(fact.reliability, name), fact.durability)
+                reliability, when = (self._relative(text, name) for text in (fact.reliability, fact.when))
+                yield Endpoint(fact.kind, spelled, fact.type, reliability, fact.durability, when)
 
     def _topic_names(self, fact: EndpointFact, owner: str, topics: Sequence[str]) -> list[str]:
         names = [fact.name]
@@ -409,7 +417,7 @@ class Assembler:
             spelled = self._spelled(match[1], owner)
             return f"$({spelled[0].removeprefix('{plugin}.')})" if spelled else match[0]
 
-        return re.sub(r"\$\(([^()]*(?:\(\))?[^()]*)\)", replaced, text)
+        return _VALUE.sub(replaced, text)
 
 
 def _texts(stated: Mapping[str, Any]) -> str:
@@ -450,18 +458,19 @@ def _slot(stated: Mapping[str, Any]) -> PluginSlot:
 
 def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, Any]]) -> tuple[Endpoint, ...]:
     """Add what the supplement states about topics: whole topics, or conditions of those that the sources have."""
-    found = {
-        (endpoint.kind, endpoint.name, endpoint.type): endpoint
-        for endpoint in endpoints
-        if endpoint.type or endpoint.kind != "publisher"
-    }
+    found: dict[tuple[str, str, str], Endpoint] = {}
+    for endpoint in endpoints:
+        if endpoint.type or endpoint.kind != "publisher":
+            place = endpoint.kind, endpoint.name, endpoint.type
+            is_same = place not in found or found[place].when == endpoint.when
+            found[place] = endpoint if is_same else replace(endpoint, when="")
     for statement in reversed(list(stated)):  # what is stated about the class itself comes first, and has the last word
         key = {
             (kind, name, type_)
             for kind, name, type_ in found
             if kind == statement["kind"] and name == statement["name"] and statement.get("type", type_) == type_
         }
-        conditions = {"when": statement.get("when", ""), "needed": statement.get("needed", "")}
+        needed = statement.get("needed", "")
         if not key:
             type_ = statement.get("type", "")
             # The sources give the name that the node then puts into the namespace around its own.
@@ -472,7 +481,8 @@ def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, An
                 type_,
                 statement.get("reliability", ""),
                 statement.get("durability", ""),
-                **conditions,
+                statement.get("when", ""),
+                needed,
             )
         for at in key:
             known = found[at]
@@ -480,7 +490,8 @@ def _with_stated(endpoints: Iterable[Endpoint], stated: Iterable[Mapping[str, An
                 known,
                 reliability=statement.get("reliability", known.reliability),
                 durability=statement.get("durability", known.durability),
-                **conditions,
+                when=statement.get("when", known.when),
+                needed=needed,
             )
     return tuple(found[key] for key in sorted(found))
 

@@ -24,6 +24,7 @@ _DECLARING = {
     "declare_parameter": (0, 1),
     "declare_parameter_if_not_declared": (0, 1),
     "declare_or_get_parameter": (0, 1),
+    "auto_declare": (0, 1),
     "declareParameter": (0, 1),
     "add_parameter": (0, 1),
     "setParam": (0, 1),
@@ -46,6 +47,13 @@ _NODE = re.compile(r"^(?:\*?this|&?\*?_?node_?|nh_?|parent_?|&\w+|\w*node\w*|sha
 _FILTER = re.compile(r"message_filters::Subscriber<\s*([\w:]+)")
 _TYPE_BEFORE = re.compile(r"([\w:]+(?:<[\w:, ]+>)?)\s*(?:\*|>)?\s*$")
 """The type before a name that is declared."""
+_VALUE = re.compile(
+    r"(?:\w+(?:->|\.))?get_parameter\(\s*\"(?P<read>[\w.]+)\"\s*\)\s*\.as_bool\(\)|[A-Za-z_]\w*(?:(?:->|\.)\w+)*(?:\(\))?"
+)
+"""A value in a condition: a parameter that is read there, or a variable."""
+_OF_LIBRARY = re.compile(r"(?:this->)?params?_?(?:->|\.)(?=\w)")
+"""Beginning of a parameter of a library: ``params_.use_stamped_vel``."""
+_OPERATORS = {"&&": " and ", "||": " or ", "!": " not "}
 _LONGEST_TYPE = 400  # characters
 _NAMED = re.compile(r"\b(\w+)::\1\([^{};]*?\)\s*:\s*(?:\w+::)*\w+\(\s*\"(\w+)\"")
 """A constructor that gives a name to its base class, a node."""
@@ -108,6 +116,8 @@ class EndpointFact:
     type: str
     reliability: str = ""
     durability: str = ""
+    when: str = ""
+    """What is known of the condition on parameters under which the class has it (see `Endpoint.when`)."""
 
 
 @dataclass(slots=True)
@@ -257,12 +267,48 @@ class _PackageReader:
                     return links[spelling]
         if depth < 3:
             for text in self._texts_of(owner, source):
-                pattern = rf"\b{re.escape(name)}_?\s*=\s*\([\w:]+\)\s*(\w+)\s*;|\b{re.escape(name)}\s*=\s*(\w+)\s*;"
+                pattern = (
+                    rf"\b{re.escape(name)}_?\s*=\s*\([\w:]+\)\s*(?P<cast>\w+)\s*;"
+                    rf"|\b{re.escape(name)}\s*=\s*(?P<library>{_OF_LIBRARY.pattern})?(?P<other>[\w.]+)\s*;"
+                )
                 for match in re.finditer(pattern, text):
-                    other = match[1] or match[2]
+                    if match["library"]:
+                        return match["other"]
+                    other = match["cast"] or match["other"]
                     if other != name and (found := self._linked(owner, other, source, depth + 1)):
                         return found
         return ""
+
+    def _when(self, source: CppSource, call: Call) -> str:
+        """Return the condition on parameters under which a call is reached, as far as it is known."""
+        known: list[str] = []
+        for written, is_true in source.conditions(call.position):
+            parts = written.split("&&") if is_true and "||" not in written else [written]
+            texts = [text for part in parts if (text := self._condition(part, source, call))]
+            known += [text if is_true else f"not ({text})" for text in texts]
+        return " and ".join(dict.fromkeys(known))
+
+    def _condition(self, written: str, source: CppSource, call: Call) -> str:
+        """Return a condition of C++ with ``$(x)`` for the parameter x; empty if it is about anything else."""
+        rest = _VALUE.sub("", written)
+        for text in _OPERATORS:
+            rest = rest.replace(text, " ")
+        if rest.strip(" ()") or rest.count("(") != rest.count(")"):
+            return ""
+
+        def replaced(match: re.Match[str]) -> str:
+            library = _OF_LIBRARY.match(match[0])
+            name = match["read"] or (
+                match[0][library.end() :] if library else self._linked(call.owner, match[0], source)
+            )
+            unknown.append(not name)
+            return f"$({name})"
+
+        unknown: list[bool] = []
+        text = _VALUE.sub(replaced, written)
+        for operator, word in _OPERATORS.items():
+            text = text.replace(operator, word)
+        return "" if any(unknown) else " ".join(text.split())
 
     def _bases_of(self, owner: str) -> set[str]:
         facts = self._classes.get(owner)
@@ -364,7 +410,8 @@ class _PackageReader:
             lambda variable: self._linked(call.owner, variable, source),
             kind in ("publisher", "subscription"),
         )
-        fact = EndpointFact(kind, name, _ros_type(self._meaning(type_)), reliability, durability)
+        when = self._when(source, call)
+        fact = EndpointFact(kind, name, _ros_type(self._meaning(type_)), reliability, durability, when)
         endpoints = self._facts(call.owner).endpoints
         if fact not in endpoints:
             endpoints.append(fact)

@@ -24,9 +24,14 @@ _PARENTHESES = re.compile(r"\([^()]*\)")
 _INITIALIZERS = re.compile(r"\0[^\0:]*:(?!:)")
 """Beginning of a constructor's initializers, behind its arguments."""
 _BASE = re.compile(r"\b(?:public|protected|private|virtual)\s+")
+_IF = re.compile(r"\s*(?P<other>else\b)?\s*(?:if\s*\((?P<condition>.*)\))?\s*$", re.DOTALL)
 _ALIAS = re.compile(
     r"\b(?:using\s+(?P<name>\w+)\s*=\s*(?P<type>.+)|typedef\s+(?P<old>.+?)\s+(?P<new>\w+))\s*$", re.DOTALL
 )
+
+
+Conditions = tuple[tuple[str, bool], ...]
+"""Conditions of C++, each with the truth value that it has where a branch runs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +70,7 @@ class CppSource:
         self.aliases: list[tuple[str, str]] = []
         """Names of types that the file makes with `using` or `typedef`, and what each of them stands for."""
         self._owners: list[tuple[int, int, str, bool]] = []
+        self._branches: list[tuple[int, int, Conditions]] = []
         self._read_blocks()
 
     def line(self, position: int) -> int:
@@ -82,6 +88,14 @@ class CppSource:
             (end - start, start) for start, end, _, is_class in self._owners if not is_class and start <= position < end
         ]
         return max(around)[1] if around else 0
+
+    def conditions(self, position: int) -> Conditions:
+        """Return the conditions of the branches of ``if`` around a position, the outermost first.
+
+        Branches without braces, and those of a lambda in an argument, are not known.
+        """
+        around = sorted((start, found) for start, end, found in self._branches if start <= position < end)
+        return tuple(condition for _, found in around for condition in found)
 
     def calls(self, names: frozenset[str]) -> Iterator[Call]:
         """Yield the calls of functions with one of the names, in the order of the file."""
@@ -125,7 +139,8 @@ class CppSource:
 
     def _read_blocks(self) -> None:
         """Find the classes, and to which class each function belongs, by the text before each opening brace."""
-        stack: list[tuple[str, str, int]] = []  # kind, qualified name, start
+        stack: list[tuple[str, str, int, Conditions]] = []  # kind, qualified name, start, conditions
+        before: Conditions = ()  # those of the branch that was read last
         start, position, text, function = 0, 0, self.text, ""
         depth, is_odd = 0, False  # depth of the parentheses around the position
         while match := _BLOCKS.search(text, position):
@@ -139,19 +154,21 @@ class CppSource:
                 position = (end or position) + 1
                 continue
             if character == "{":
-                outer = next((name for kind, name, _ in reversed(stack) if kind in ("namespace", "class")), "")
+                outer = next((name for kind, name, *_ in reversed(stack) if kind in ("namespace", "class")), "")
                 header = text[start:position]
-                in_function = any(kind == "function" for kind, _, _ in stack)
+                in_function = any(kind == "function" for kind, *_ in stack)
                 kind, name = self._block(header, outer, in_function, function)
                 if kind == "function" and not in_function:
                     function = name
-                stack.append((kind, name, start))
+                stack.append((kind, name, start, _conditions(header, before) if in_function else ()))
             elif character == "}" and stack:
-                kind, name, began = stack.pop()
+                kind, name, began, before = stack.pop()
+                if before:
+                    self._branches.append((began, position, before))
                 if kind in ("function", "class"):
                     self._owners.append((began, position, name, kind == "class"))
             elif character == ";" and (alias := _ALIAS.search(text, start, position)):
-                scope = next((name for kind, name, _ in reversed(stack) if kind != "block"), "")
+                scope = next((name for kind, name, *_ in reversed(stack) if kind != "block"), "")
                 name = alias["name"] or alias["new"]
                 meaning = " ".join((alias["type"] or alias["old"]).split())
                 self.aliases.append((f"{scope}::{name}" if scope else name, meaning))
@@ -180,6 +197,15 @@ class CppSource:
         if not header.strip() or header.lstrip().startswith(","):  # after a constructor's initializers with braces
             return "function", function
         return ("function", outer) if "(" in header else ("block", "")
+
+
+def _conditions(header: str, before: Conditions) -> Conditions:
+    """Return the conditions of the block behind a header, from those of the block before it."""
+    match = _IF.match(header)
+    if not match or not match[0].strip():
+        return ()
+    failed = (*before[:-1], (before[-1][0], False)) if before and match["other"] else ()
+    return (*failed, (match["condition"].strip(), True)) if match["condition"] else failed
 
 
 def split_arguments(text: str) -> list[str]:

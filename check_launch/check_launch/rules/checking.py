@@ -16,7 +16,7 @@ from check_launch.expansion.entities import UnreadableFileError, is_declarative,
 from check_launch.expansion.expander import Expander, Expansion
 from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.parameter_files import NoParametersError, ParameterFile, is_parameter_file
-from check_launch.expansion.python_files import is_launch_program
+from check_launch.expansion.python_files import is_launch_program, is_python
 from check_launch.expansion.source_trees import source_folders
 from check_launch.misspellings import did_you_mean, misspelt
 from check_launch.rules.frame_findings import frame_findings
@@ -245,7 +245,7 @@ def _loaders(parameter_file: Path) -> Iterator[Path]:
     folder = parameter_file.resolve().parent
     top = next((parent for parent in (folder, *folder.parents) if (parent / "package.xml").is_file()), folder)
     for path in (inner / name for inner, _, names in source_folders(top) for name in names):
-        is_plain = path.name.endswith(LAUNCH_ENDINGS) and path.suffix != ".py"
+        is_plain = path.name.endswith(LAUNCH_ENDINGS) and not is_python(path)
         if is_plain and path.is_file() and parameter_file.name in _text_of(path):
             yield path
 
@@ -321,5 +321,5 @@ def files_to_check(paths: Iterable[Path], missing: Callable[[Path], None]) -> It
 def _is_checked(path: Path) -> bool:
     """Return true for a launch file or parameter file in a folder; not for others that have such a name."""
     if path.name.endswith(LAUNCH_ENDINGS):
-        return is_launch_program(path) if path.suffix == ".py" else is_declarative(path)
+        return is_launch_program(path) if is_python(path) else is_declarative(path)
     return path.suffix in (".yaml", ".yml") and is_parameter_file(path)

@@ -24,9 +24,6 @@ _NUMBER = r"(0|[1-9]\d*)"
 _ANY_NAME = r"[^.]+"
 _MOST_PLUGINS = 200
 """Longest list of plugins that is followed; behind a longer one, anything is possible."""
-_STAMPED = "enable_stamped_cmd_vel"
-_VELOCITIES = {"geometry_msgs/msg/Twist": False, "geometry_msgs/msg/TwistStamped": True}
-"""Types of velocities, and whether they have a stamp."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,14 +182,20 @@ class ParameterView:
             text = _VALUE.sub(replaced, text)
         return None if unknown else text
 
-    def holds(self, condition: str, prefix: str) -> bool | None:
-        """Return the truth value of a condition on parameters; None if it is not known."""
+    def holds(self, condition: str, prefix: str, with_defaults: bool = True) -> bool | None:
+        """Return the truth value of a condition on parameters; None if it is not known.
+
+        Without defaults, a parameter that is not given has an unknown value: a file that is not here may give it.
+        """
         if not condition:
             return True
         values: dict[str, Any] = {"true": True, "false": False, "True": True, "False": False}
 
         def replaced(match: re.Match[str]) -> str:
-            value = self.value(prefix + match[1])
+            name = prefix + match[1]
+            if name not in self.given and self.known(name) is None:  # a parameter of the node around a plugin
+                name = match[1]
+            value = self.value(name) if with_defaults or name in self.given else UNKNOWN
             values[f"value{len(values)}"] = _Unknown() if value is UNKNOWN else "" if value is None else value
             return f"value{len(values) - 1}"
 
@@ -247,16 +250,9 @@ class ParameterView:
             for name, parameter in self.catalogue.sets[shared.set].parameters.items():
                 if (not shared.groups or _is_of(name, shared.groups)) and not _is_of(name, shared.without):
                     self.exact.setdefault(prefix + name, parameter)
-        self.endpoints += [(prefix, endpoint) for endpoint in facts.endpoints if self._is_spoken(endpoint)]
+        self.endpoints += [(prefix, endpoint) for endpoint in facts.endpoints]
         for slot in facts.slots:
             self._add_slot(slot, facts, prefix, seen)
-
-    def _is_spoken(self, endpoint: Endpoint) -> bool:
-        """Return false for the type of a velocity that the node does not use (nav2_util/twist_publisher.hpp)."""
-        is_stamped = self.value(_STAMPED) if _STAMPED in self.exact else UNKNOWN
-        if endpoint.type not in _VELOCITIES or not isinstance(is_stamped, bool):
-            return True
-        return _VELOCITIES[endpoint.type] == is_stamped
 
     def _add_pattern(self, pattern: str, parameter: Parameter, prefix: str) -> None:
         if "{" not in pattern:

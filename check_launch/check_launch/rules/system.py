@@ -367,7 +367,7 @@ def _connections(
         topic = name and full_name(name.replace("{node}", node.name), node)
         if topic:
             node.connections_before.append(topic)
-        if view.holds(when, prefix) is False:
+        if view.holds(when, prefix, with_defaults=not view.is_partial) is False:
             continue
         rule = next(
             (rule for rule in rules if topic and rule.source is not None and topic in sources_of(rule, node)), None
