@@ -140,7 +140,7 @@ def test_parameters_have_types_and_defaults(catalogue: dict[str, Any]) -> None:
 
 
 def test_topics_have_types_and_qos(catalogue: dict[str, Any]) -> None:
-    """A topic is a text, a sum, the value of a parameter, or what the maker of an object gives; some are conditional."""
+    """A topic is a text, a sum, the value of a parameter, or what the maker of an object gives, perhaps conditional."""
     keys = ("kind", "name", "type", "reliability", "durability", "when")
     assert catalogue["classes"]["my_layers::Server"]["endpoints"] == [
         dict(zip(keys, values))

@@ -22,7 +22,7 @@ _FLOW_CONTROL_S = 0.25
 _NEXT_FRAME_S = 1.0
 """Longest time in seconds between two frames of a datagram that arrives."""
 _ROOM_S = 2.0
-"""Longest time in seconds for the adapter to have room for a frame. A busy computer may stand still for half a second."""
+"""Longest time in seconds for the adapter to have room for a frame. A busy computer stood still for 0.5 s."""
 _PAUSE_S = 0.001
 _POLL_S = 0.02
 """Longest wait in seconds of can-isotp's threads, before they look whether a timeout is over."""
