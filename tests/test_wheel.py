@@ -58,10 +58,7 @@ def test_the_wheel_has_one_top_level_module(site: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("product", "package", "file"),
-    [
-        ("rover", "roverkit", "objects/rocks_and_panels.onnx"),
-        ("check_launch", "check_launch", "catalogue/humble.json"),
-    ],
+    [("rover", "roverkit", "objects/rocks_and_panels.onnx"), ("check_launch", "check_launch", "catalogue/humble.json")],
 )
 def test_wheels_of_the_other_products_have_theirs(product: str, package: str, file: str, tmp_path: Path) -> None:
     """Each has one package with its data, and needs the roverlink of its own version."""

@@ -241,11 +241,7 @@ for line in ([name] for names in command_line.GROUPS.values() for name in names)
         ("jinja2", "init", "'jinja2>=3.1.6'"),
         ("mcap", "recording info {run}", "'SOURCE[record]'"),
         ("lz4", "recording info {run}", "'SOURCE[record]'"),
-        (
-            "prometheus_client",
-            "run --middleware memory --metrics 0 --ros-args -p listen_port:=0",
-            "'SOURCE[metrics]'",
-        ),
+        ("prometheus_client", "run --middleware memory --metrics 0 --ros-args -p listen_port:=0", "'SOURCE[metrics]'"),
         ("pyarrow", "recording export {run} --topic imu_data --to parquet", "'SOURCE[parquet]'"),
         ("rosbags", "echo spoken --type std_msgs/msg/String", "'SOURCE[standard]'"),
         ("yaml", "lint", "'pyyaml>=6'"),

@@ -96,11 +96,7 @@ def _heard(board: socket.socket) -> Iterator[tuple[float, float]]:
 
 @pytest.mark.slow
 @needs_dds
-@pytest.mark.parametrize(
-    "number",
-    [signal.SIGKILL, signal.SIGSTOP, signal.SIGTERM],
-    ids=["killed", "paused", "leaves"],
-)
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP, signal.SIGTERM], ids=["killed", "paused", "leaves"])
 def test_a_rover_whose_commander_is_gone_stops(
     start: Start, bridge: Bridge, peer: socket.socket, number: signal.Signals
 ) -> None:

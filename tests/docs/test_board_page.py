@@ -52,10 +52,7 @@ def test_the_program_of_the_page_sends_and_receives(tmp_path: Path, domain: int)
         wait_until(lambda: samples, "the sample")
     assert done.stdout == shown
     _check(samples)
-    with (
-        cable(tmp_path / "ttyACM0") as line,
-        BridgeThread(_with_host(f"serial:{line.path}"), {}, "error") as bridge,
-    ):
+    with cable(tmp_path / "ttyACM0") as line, BridgeThread(_with_host(f"serial:{line.path}"), {}, "error") as bridge:
         samples.clear()
         nodes = bridge.middleware(NodeIdentity("test"))
         nodes.subscribe("/imu_data", imu.message_type, imu.route.qos, samples.extend)

@@ -6,16 +6,7 @@ from pathlib import Path
 
 import pytest
 from case_file import CaseFile
-from golden import (
-    CASES,
-    DIGESTS,
-    digests,
-    exit_code,
-    generate,
-    in_brief,
-    passing_cases,
-    snapshot,
-)
+from golden import CASES, DIGESTS, digests, exit_code, generate, in_brief, passing_cases, snapshot
 
 _DIGESTS = dict(line.split(": ", 1) for line in DIGESTS.read_text(encoding="utf-8").splitlines())
 

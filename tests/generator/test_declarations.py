@@ -181,10 +181,7 @@ def test_claims_are_what_was_commented_out() -> None:
         (41, "b", "int32", "old"),
         (98, "tab", "int32", ""),
     ]
-    assert [(claim.number, claim.name) for claim in file.enums[0].claims] == [
-        (4, "RESERVED_LATER"),
-        (-1, "NEGATIVE"),
-    ]
+    assert [(claim.number, claim.name) for claim in file.enums[0].claims] == [(4, "RESERVED_LATER"), (-1, "NEGATIVE")]
     places = {claim.name: (claim.span.line, claim.span.column) for claim in message.claims}
     assert places["timeout"] == (4, 6)
     assert places["no"] == (9, 23)
@@ -251,11 +248,7 @@ def test_a_broken_enum_value_hides_no_other() -> None:
     file = parse(
         "enum E {\n  A = 0\n  B = x;\n  C = -0x2 [deprecated = true;\n  reserved -5 to -3, D, 9 to max\n  F = 4;\n}\n"
     )
-    assert [(value.name, value.number) for value in file.enums[0].values] == [
-        ("A", 0),
-        ("C", -2),
-        ("F", 4),
-    ]
+    assert [(value.name, value.number) for value in file.enums[0].values] == [("A", 0), ("C", -2), ("F", 4)]
     assert file.enums[0].reserved == ((-5, -3), (9, 2**31 - 1))
     assert file.enums[0].reserved_names == ("D",)
     assert [problem.line for problem in file.problems] == [2, 3, 4, 5]

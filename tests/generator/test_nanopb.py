@@ -281,7 +281,7 @@ def test_the_first_field_without_a_bound_is_named(
 def test_what_a_message_consists_of_is_told_by_field(everything: _Both) -> None:
     """The fields of a message come with their sizes, the largest first; all but those that have none."""
     assert field_sizes(everything.schema, everything.bounds, "oneofs.Plain") == [
-        *(("c", 203), ("a", 11), ("d", 11), ("e", 11), ("f", 9), ("g", 7), ("b", 2)),
+        *(("c", 203), ("a", 11), ("d", 11), ("e", 11), ("f", 9), ("g", 7), ("b", 2))
     ]
     assert field_sizes(everything.schema, everything.bounds, "lengths.FreeBytes") == [("first", 11)]
 

@@ -16,7 +16,7 @@ from typing import TypeVar
 
 _SUBJECTS = ("motor", "battery", "gripper", "boom", "tank", "mast", "wheel", "hull", "drill", "antenna")
 _QUANTITIES = [
-    *("voltage", "temperature", "humidity", "pressure", "brightness", "torque", "mass", "position", "resistance"),
+    *("voltage", "temperature", "humidity", "pressure", "brightness", "torque", "mass", "position", "resistance")
 ]
 _ABBREVIATED = {"temperature": "temp", "position": "pos"}
 _OPPOSITE = {"left": "right", "front": "rear", "min": "max", "start": "stop", "x": "y", "read": "write"}

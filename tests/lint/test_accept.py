@@ -436,11 +436,7 @@ def test_a_tree_without_the_name_of_its_envelope(tree: Repository) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "rule"),
-    [
-        ("Numbers of our team\n", "LED102"),
-        ("version: 1\n\nchecksum: 00\n", "LED103"),
-        ("\xff", "LED101"),
-    ],
+    [("Numbers of our team\n", "LED102"), ("version: 1\n\nchecksum: 00\n", "LED103"), ("\xff", "LED101")],
 )
 def test_a_damaged_file_is_reported_and_kept(tree: Repository, text: str, rule: str) -> None:
     """A file that roverlink did not write as it is now is a finding of every lint, and `--accept` leaves it alone."""

@@ -72,7 +72,7 @@ ONLY_OURS = {
 
 _OUT_OF_SCOPE = re.compile(r"SERVICE_|RPC_|FILE_SAME_")
 _ONLY_THE_LINE = {
-    "FIELD_SAME_DEFAULT",  # protoc places the value, buf the word `default`
+    "FIELD_SAME_DEFAULT"  # protoc places the value, buf the word `default`
 }
 _SAME_BYTES = [
     *({"enum", scalar} for scalar in ("int32", "int64", "uint32", "uint64")),

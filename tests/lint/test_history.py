@@ -33,11 +33,7 @@ def _lives(history: History, name: str = "PBEnvelope") -> str:
 
 
 _HISTORIES = {
-    "deleted and reused later": (
-        "a: I1 G2 / b: I1 / c: I1 / d: I1 L2",
-        "1: I a- / 2: G a-b | L d-",
-        [2],
-    ),
+    "deleted and reused later": ("a: I1 G2 / b: I1 / c: I1 / d: I1 L2", "1: I a- / 2: G a-b | L d-", [2]),
     "shifted by one": (
         "a: I1 G2 P3 / b: L1 I2 G3 P4",
         "1: I a-b | L b- / 2: G a-b | I b- / 3: P a-b | G b- / 4: P b-",

@@ -371,8 +371,7 @@ def test_no_target_of_the_pull_request_is_loaded(project: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments",
-    [("lint",), ("lint", "proto"), ("lint", "--history"), ("lint", "--against", "main"), _CHECK],
+    "arguments", [("lint",), ("lint", "proto"), ("lint", "--history"), ("lint", "--against", "main"), _CHECK]
 )
 def test_no_program_of_an_embedded_repository_is_run(project: Path, arguments: tuple[str, ...]) -> None:
     """Files that look like a bare repository are not one: the programs that their config names are not run."""

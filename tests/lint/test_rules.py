@@ -275,8 +275,7 @@ def _sized(folder: Path, rows: str, bounds: Mapping[str, FieldBounds], outside: 
 
 
 @pytest.mark.parametrize(
-    ("length", "outside", "too_large"),
-    [(12, "", 0), (13, "", 33), (12, "uint32 sequence = 100;", 39)],
+    ("length", "outside", "too_large"), [(12, "", 0), (13, "", 33), (12, "uint32 sequence = 100;", 39)]
 )
 def test_the_largest_envelope_is_exact(tmp_path: Path, length: int, outside: str, too_large: int) -> None:
     """Tag and length of the payload count, and what stands beside the oneof; 32 bytes fit into 32."""

@@ -277,10 +277,7 @@ def test_binary_and_enormous_files(tree: Path, found: Found) -> None:
     (tree / "binary.proto").write_bytes(b"\x00\x01\x02" * 1000)
     (tree / "enormous.proto").write_text("// " + "x" * 9_000_000)
     large = "the file cannot be read: it has 9000003 bytes; files of more than 8388608 bytes are not read"
-    expected = [
-        ("binary.proto", "the file is binary, and not the text of a .proto file"),
-        ("enormous.proto", large),
-    ]
+    expected = [("binary.proto", "the file is binary, and not the text of a .proto file"), ("enormous.proto", large)]
     code, all = found("protos", *_TREE)
     assert (code, _said(all, "path", "message")) == (2, expected)
     _commit(tree)

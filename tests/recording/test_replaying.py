@@ -222,10 +222,7 @@ def _one_more_payload(files: Any) -> None:
             "number 13 was 'old' (SensorBoardPHInfo) in the recording, and is 'imu_info' (SensorBoardIMUInfo) in the "
             "present table",
         ),
-        (
-            _one_more_payload,
-            "number 77, 'old' (SensorBoardIMUInfo) in the recording, is retired in the present table",
-        ),
+        (_one_more_payload, "number 77, 'old' (SensorBoardIMUInfo) in the recording, is retired in the present table"),
     ],
     ids=["another thing today", "retired today"],
 )

@@ -125,15 +125,7 @@ def test_compilers_have_nothing_to_say(compiler: str) -> None:
         pytest.skip(f"need {compiler} (apt-get install g++ clang)")
     flags, includes = _options()
     sources = sorted(_ROOT.glob("native/src/*.cpp"))
-    command = [
-        compiler,
-        *flags,
-        "-Werror",
-        "-Wno-unused-command-line-argument",
-        "-fsyntax-only",
-        *includes,
-        *sources,
-    ]
+    command = [compiler, *flags, "-Werror", "-Wno-unused-command-line-argument", "-fsyntax-only", *includes, *sources]
     done = subprocess.run(command, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
 

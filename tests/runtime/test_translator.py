@@ -63,11 +63,7 @@ def test_an_unknown_payload_is_refused_with_its_number(datagram: bytes, expected
 
 @pytest.mark.parametrize(
     "datagram",
-    [
-        b"\xff" * 20,
-        delimited(13, b"\x0d1234") + b"\x07",
-        _envelope(imu_info={"accel_x": 1.0}) + b"\0\0\1",
-    ],
+    [b"\xff" * 20, delimited(13, b"\x0d1234") + b"\x07", _envelope(imu_info={"accel_x": 1.0}) + b"\0\0\1"],
     ids=["ones", "trailing garbage", "garbage behind the padding"],
 )
 def test_a_malformed_datagram_is_refused_with_its_start(datagram: bytes, translator: Translator) -> None:

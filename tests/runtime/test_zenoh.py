@@ -28,13 +28,7 @@ from roverlink.runtime import MiddlewareError, Qos
 from roverlink.runtime.core import cdr
 from roverlink.runtime.core.handler import RowService
 from roverlink.runtime.interfaces import rcl_interfaces as rcl
-from roverlink.runtime.middleware import (
-    Endpoint,
-    Middleware,
-    NodeIdentity,
-    examine_zenoh,
-    open_middleware,
-)
+from roverlink.runtime.middleware import Endpoint, Middleware, NodeIdentity, examine_zenoh, open_middleware
 from roverlink.runtime.ros_arguments import parameters
 from roverlink.runtime.ros_arguments.live_parameters import LiveParameters
 
@@ -153,10 +147,7 @@ def test_zenohs_own_api_sees_a_ros_node(join: Open, raw: Any) -> None:
     assert abs(first[1] - time.time_ns()) < 600e9
     tokens = {str(reply.ok.key_expr) for reply in raw.liveliness().get("@ros2_lv/7/**")}
     described = {token.split("/", 5)[5] for token in tokens}
-    assert described >= {
-        "NN/%/%rover/udp_forwarder",
-        f"MP/%/%rover/udp_forwarder/%imu_data/{_IMU}/::,10:,:,:,,",
-    }
+    assert described >= {"NN/%/%rover/udp_forwarder", f"MP/%/%rover/udp_forwarder/%imu_data/{_IMU}/::,10:,:,:,,"}
 
 
 def test_the_graph_has_types_qos_and_nodes_until_they_leave(join: Open) -> None:

@@ -252,10 +252,7 @@ def test_no_pose_has_a_reason(stack: ExitStack, told: Told, options: dict[str, A
 
 @pytest.mark.parametrize(
     ("seeds", "least", "most"),
-    [
-        pytest.param([1], 0, 6, marks=pytest.mark.slow),
-        pytest.param(range(4), 2, 4, marks=pytest.mark.exhaustive),
-    ],
+    [pytest.param([1], 0, 6, marks=pytest.mark.slow), pytest.param(range(4), 2, 4, marks=pytest.mark.exhaustive)],
 )
 def test_gps_limits_the_error_while_no_landmark_is_seen(
     stack: ExitStack, seeds: list[int], least: float, most: float

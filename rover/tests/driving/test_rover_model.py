@@ -12,14 +12,7 @@ from hypothesis import strategies as st
 from roverkit.driving.arcs import Arc, PlanarPose
 from roverkit.driving.board_commands import BoardCommand
 from roverkit.driving.geodesy import Datum
-from roverkit.simulation.rover_model import (
-    STEP_NS,
-    Measurement,
-    MotorReport,
-    ProgressReport,
-    RoverModel,
-    RoverSettings,
-)
+from roverkit.simulation.rover_model import STEP_NS, Measurement, MotorReport, ProgressReport, RoverModel, RoverSettings
 from roverkit.simulation.rover_sensors import GpsFix, ImuReading
 
 _FIRM = RoverSettings(slip=0.0, mean_slip=0.0, side_slip=0.0, yaw_slip=0.0, steering_rate=math.inf)

@@ -69,10 +69,7 @@ class _Rover:
 
 @pytest.mark.slow
 @given(
-    _goals,
-    st.lists(st.sampled_from(Outcome), max_size=20),
-    st.lists(st.booleans(), max_size=20),
-    st.integers(0, 100),
+    _goals, st.lists(st.sampled_from(Outcome), max_size=20), st.lists(st.booleans(), max_size=20), st.integers(0, 100)
 )
 def test_a_mission_ends_and_says_how(
     goals: list[Goal], outcomes: list[Outcome], sights: list[bool], steps: int
