@@ -37,6 +37,7 @@ _CASES: Mapping[str, tuple[Mapping[str, str | bytes], str]] = {
         {"a.launch.py": _PYTHON + "os.chdir('/'); subprocess.run([sys.executable, '-c', ''], check=True)" + _FUNCTION},
         "",
     ),
+    "is Python, whatever its name": ({"a.launch": _PYTHON + _FUNCTION}, ""),
     "asks the user": ({"a.launch.py": _PYTHON + "input()" + _FUNCTION}, ""),
     "imports what is not there": ({"a.launch.py": "from xml import Missing\n" + _PYTHON + _FUNCTION}, ""),
     "uses what is not known": ({"a.launch.py": "import std_msgs.msg as m; m.A()[0] = 1; -m.A()" + _FUNCTION}, ""),

@@ -24,7 +24,7 @@ class UnreadableLaunchFile(Rule, id="LCH101", severity=Severity.FATAL):
 
 
 class NotExpanded(Rule, id="LCH102", severity=Severity.HINT):
-    """A part of a launch file is not checked, because it needs a package or a value that is not there.
+    """A part of a launch file is not checked, because it needs a package, a value or a device that is not there.
 
     The launch file still works on a computer that has the package. Check it there, or name folders with packages with
     `--packages`.
