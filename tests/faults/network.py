@@ -99,6 +99,12 @@ def _connect(end: str, address: str, other: str, port: str) -> None:
     ip("-n", end, "address", "add", f"{address}/24", "dev", "cable")
     ip("-n", end, "link", "set", "cable", "up")
     ip("-n", other, "link", "set", port, "up")
+    for space, device in ((end, "cable"), (other, port)):  # until the kernel has seen that it is there, it drops frames
+        wait_until(partial(_shows, "state UP", space, device), "the cable")
+
+
+def _shows(text: str, space: str, device: str) -> bool:
+    return text in ip("-n", space, "-details", "link", "show", device)
 
 
 class Network(ExitStack):
@@ -135,12 +141,9 @@ class RoverNetwork(ExitStack):
             ip("-n", self.router, "address", "add", f"{router}/24", "dev", port)
             ip("-n", end, "route", "add", "default", "via", router)
         inside(self.router, lambda: Path("/proc/sys/net/ipv4/ip_forward").write_text("1"))
-        for number in (21, 22, 23):  # the kernel drops frames until it has seen that the cable is there
-            wait_until(partial(self._passes_frames, f"to{number}"), "a switch that passes frames")
+        for number in (21, 22, 23):
+            wait_until(partial(_shows, "state forwarding", self.router, f"to{number}"), "a switch that passes frames")
         return self
-
-    def _passes_frames(self, port: str) -> bool:
-        return "state forwarding" in ip("-n", self.router, "-details", "link", "show", port)
 
     def move(self, board: str, number: int, to: int) -> None:
         """Give a board on the switch another address."""

@@ -8,6 +8,7 @@ has the rights of the user. It protects the check from files that do not end, no
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import multiprocessing
 import os
 import pickle
@@ -26,6 +27,7 @@ from typing import Any, TypeVar, cast
 Result = TypeVar("Result")
 
 _LARGEST_RESULT = 256 << 20  # bytes
+_PIPE = 1 << 20  # bytes, which is what Linux allows everybody (pipe(7))
 _LOOK = 0.5  # seconds from one look at the processor time to the next
 _PROCESSES = Path("/proc")
 
@@ -53,13 +55,23 @@ class ChildWaitsError(ChildEndedError):
     """Raised if a child process has waited too long, without processor time."""
 
 
-def results(work: Callable[[], Iterable[Result]], limits: Limits) -> Iterator[Result]:
-    """Yield what ``work`` yields, which runs in a child process.
+def started(work: Callable[[], Iterable[Result]], limits: Limits) -> Iterator[Result]:
+    """Start ``work`` in a child process; return an iterator of what it yields.
 
-    Raises what ``work`` raises if it can be pickled, and `ChildEndedError` for the rest and if a limit is reached.
+    The iterator raises what ``work`` raises if it can be pickled, and `ChildEndedError` for the rest and if a limit is
+    reached. Without it, the child ends.
     """
+    results = _results(work, limits)
+    next(results)
+    return results
+
+
+def _results(work: Callable[[], Iterable[Any]], limits: Limits) -> Iterator[Any]:
+    """Yield None when the child process has started, and then what ``work`` yields."""
     fork = multiprocessing.get_context("fork")  # the child has the catalogue, and all that the parent has read
     receiver, sender = fork.Pipe(duplex=False)
+    with contextlib.suppress(AttributeError, OSError):  # else the child may wait until somebody reads
+        fcntl.fcntl(sender.fileno(), fcntl.F_SETPIPE_SZ, _PIPE)
     with tempfile.TemporaryDirectory(prefix="check-launch-") as folder, receiver:
         child = fork.Process(target=_child, args=(work, sender, receiver, folder, limits), daemon=True)
         with warnings.catch_warnings():
@@ -69,6 +81,7 @@ def results(work: Callable[[], Iterable[Result]], limits: Limits) -> Iterator[Re
         pid = cast(int, child.pid)  # it has been started
         sender.close()
         try:
+            yield None
             while True:
                 _wait(receiver, pid, limits.seconds)
                 try:

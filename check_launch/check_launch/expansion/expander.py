@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -30,7 +31,7 @@ from check_launch.expansion.actions import (
     SetRemap,
     StartNode,
 )
-from check_launch.expansion.child_process import DEFAULT_LIMITS, ChildEndedError, ChildWaitsError, Limits, results
+from check_launch.expansion.child_process import DEFAULT_LIMITS, ChildEndedError, ChildWaitsError, Limits, started
 from check_launch.expansion.declarative_files import OfRos1Error, read_declarative
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.launch_context import Context, Packages, package_of_share
@@ -78,6 +79,7 @@ _MOST_INCLUDES = 1000
 _MOST_NODES = 5000
 _MOST_MEANT = 3  # names in advice
 _MOST_VARIATIONS = 200
+_AT_ONCE = min(4, os.cpu_count() or 1)  # launch files; each may take a gibibyte of memory
 _FROM_ROS1 = "in ROS 2 it is <node exec=...>, <param from=...>, $(var x) and $(find-pkg-share x)"
 _WRONG_NODE = re.compile(r"[^A-Za-z0-9_]|^\d")
 _WRONG_TOPIC = re.compile(r"[^A-Za-z0-9_/~{}:*\\]|(?:^|/)\d")
@@ -194,6 +196,12 @@ class Expander:
         self._declarative: dict[str, tuple[list[Action], list[Diagnostic]]] = {}
         self._python: dict[str, PythonFile] = {}
         self._parameter_files: dict[str, ParameterFile] = {}
+        self._expected: Iterator[tuple[Path, Mapping[str, str]]] = iter(())
+        self._begun: dict[Path, Iterator[Expansion]] = {}
+
+    def expect(self, paths: Iterable[Path], arguments: Mapping[str, str]) -> None:
+        """Expand launch files ahead, in the order in which `variants` will be asked for them."""
+        self._expected = ((path.resolve(), arguments) for path in paths)
 
     def variants(self, path: Path, arguments: Mapping[str, str]) -> list[Expansion]:
         """Return what a launch file starts with some values of its arguments, and with others beside them.
@@ -204,8 +212,11 @@ class Expander:
         found: list[Expansion] = []
         path = path.resolve()  # the child has another working folder
         place = Span(self.shown(str(path)))
+        for expected, given in itertools.islice(self._expected, max(0, _AT_ONCE - len(self._begun))):
+            self._begun[expected] = started(partial(self._variants, expected, given), self._limits)
+        begun = self._begun.pop(path, None) or started(partial(self._variants, path, arguments), self._limits)
         try:
-            for expansion in results(lambda: self._variants(path, arguments), self._limits):
+            for expansion in begun:
                 found.append(expansion)
         except ChildEndedError as error:
             if not (found or isinstance(error, ChildWaitsError)):

@@ -124,6 +124,7 @@ class Checker:
         launch_files = [path for path in paths if path.name.endswith(LAUNCH_ENDINGS)]
         checked.launch_files = {str(path.resolve()) for path in launch_files}
         parameter_files = {shown_path(str(path)): path for path in paths if path not in launch_files}
+        self._expander.expect(launch_files, arguments)
         for path in launch_files:
             try:
                 self._check_launch_file(path, arguments, checked, sections)
