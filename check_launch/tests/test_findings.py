@@ -383,7 +383,8 @@ def _node(package: str, executable: str, **options: str) -> str:
 
 _ACTIONS = """
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+from launch.actions import *
+from launch.substitutions import LaunchConfiguration as C
 from launch_ros.actions import LoadComposableNodes, Node
 from launch_ros.descriptions import ComposableNode
 def generate_launch_description():
@@ -597,6 +598,16 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     ),
     "nothing in place of a description": ("def generate_launch_description():\n    pass\n", "", ["fatal LCH101"]),
     # What is not known is not absent.
+    "an argument that is declared before a timer ends, and frames of a package that is not here": (
+        "from nowhere import part\n"
+        + _ACTIONS
+        % "TimerAction(period=2.0, actions=[Node(package='tf2_ros', name=C('a'), "
+        "executable='static_transform_publisher', arguments=['--frame-id', 'b', '--child-frame-id', [part(), 'a']])]), "
+        "Node(package='tf2_ros', executable='static_transform_publisher', name='b', "
+        "arguments=['--frame-id', 'c', '--child-frame-id', [part(), 'b']]), DeclareLaunchArgument('a', default_value='b')",
+        "",
+        ["hint LCH102"],
+    ),
     "an action of another package": ("  - pyenv_node: {pkg: my_rover}\n", "", ["hint LCH103"]),
     **{
         f"two topics of which a short word or a number differs: {name}": (

@@ -251,7 +251,9 @@ class Expander:
             reason = f"grows without end: {error}" if isinstance(error, TooLongTextError) else "is nested too deeply"
             place = run.context.place if run.context.place.file else Span(self.shown(file))
             raise UnreadableFileError(place, f"the launch file {reason}") from error
-        undeclared = dict.fromkeys(run.context.undeclared)
+        # What starts later may use an argument that is declared behind it.
+        later = (one for one in run.undeclared_later if one[0] not in run.result.declared)
+        undeclared = dict.fromkeys((*run.context.undeclared, *later))
         run.result.undeclared = [one for one in undeclared if one[0] not in run.without_default]
         run.result.absent |= run.context.absent
         return run.result
@@ -314,6 +316,8 @@ class _Run:
         self._included_at = Span("")  # place of the include of that file
         self.without_default: set[str] = set()
         """Arguments of the launch file itself of which the default is their own value: the user has to give it."""
+        self.undeclared_later: list[tuple[str, Span]] = []
+        """Arguments that are not declared where something uses them that starts later, with the places."""
 
     def include(self, path: str, place: Span) -> None:
         """Expand the actions of a launch file."""
@@ -462,7 +466,10 @@ class _Run:
         elif isinstance(action, Opaque):
             self._call(action)
         elif isinstance(action, Later):
+            before = len(context.undeclared)
             self._run(action.actions)
+            self.undeclared_later += context.undeclared[before:]
+            del context.undeclared[before:]
 
     def _declare(self, action: DeclareArgument) -> None:
         name = self._text(action.name)

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from check_launch.catalogue.facts import WORKSPACE_SOURCE, Catalogue, Endpoint, NodeClass, Package
 from check_launch.expansion.expander import Expansion, FileUse, StartedNode, StartedRemapping, joined
-from check_launch.expansion.parameter_files import GivenValue, Section
+from check_launch.expansion.parameter_files import UNKNOWN, GivenValue, Section
 from check_launch.misspellings import all_nearest, did_you_mean, misspelt, nearest
 from check_launch.rules.known_parameters import ParameterView
 from check_launch.rules.launch_rules import (
@@ -342,8 +342,8 @@ def _of_arguments(started: StartedNode, arguments: Mapping[str, str]) -> Iterato
         return
     words = started.arguments
     for option, value in pairwise(words):
-        if option in arguments and option is not None and value is not None:
-            yield GivenValue(arguments[option], value, started.place)
+        if option in arguments and option is not None:
+            yield GivenValue(arguments[option], UNKNOWN if value is None else value, started.place)
     for word in words:
         for option, name in arguments.items():
             if option.endswith(":") and word and word.startswith(option):
@@ -351,8 +351,7 @@ def _of_arguments(started: StartedNode, arguments: Mapping[str, str]) -> Iterato
     plain = [word for word in words if word is None or not word.startswith("--")]
     if words and len(plain) == len(words) and len(words) in (8, 9):  # the older spelling: x y z angles parent child
         for name, value in zip(arguments.values(), words[-2:], strict=False):
-            if value is not None:
-                yield GivenValue(name, value, started.place)
+            yield GivenValue(name, UNKNOWN if value is None else value, started.place)
 
 
 def _connections(
