@@ -604,7 +604,8 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         % "TimerAction(period=2.0, actions=[Node(package='tf2_ros', name=C('a'), "
         "executable='static_transform_publisher', arguments=['--frame-id', 'b', '--child-frame-id', [part(), 'a']])]), "
         "Node(package='tf2_ros', executable='static_transform_publisher', name='b', "
-        "arguments=['--frame-id', 'c', '--child-frame-id', [part(), 'b']]), DeclareLaunchArgument('a', default_value='b')",
+        "arguments=['--frame-id', 'c', '--child-frame-id', [part(), 'b']]), "
+        "DeclareLaunchArgument('a', default_value='b')",
         "",
         ["hint LCH102"],
     ),

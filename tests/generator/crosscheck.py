@@ -205,15 +205,15 @@ def _check_refusals(handler: Any, conversion: Conversion, native: NativeCheck) -
 
 def serve() -> None:
     """Check each project that is named, until there is no more."""
+    suppressed = {"database": None, "deadline": None, "suppress_health_check": list(HealthCheck)}
     # The generator loads its templates, and Hypothesis the constants of all modules, once for all forks.
-    settings(max_examples=9, database=None)(given(st.integers() | st.text() | st.floats())(lambda _: None))()
+    settings(max_examples=9, **suppressed)(given(st.integers() | st.text() | st.floats())(lambda _: None))()
     for number, line in enumerate(sys.stdin):
         examples, _, project = line.rstrip("\n").partition(" ")
         if number == 0:
             compile_table(Path(project, "mapping.yaml"))
         child = os.fork()
         if not child:
-            suppressed = {"database": None, "deadline": None, "suppress_health_check": list(HealthCheck)}
             settings.register_profile("asked", max_examples=int(examples), **suppressed)
             settings.load_profile("asked")
             _check_and_exit(Path(project))
