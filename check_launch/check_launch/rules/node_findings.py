@@ -102,7 +102,7 @@ def _of_built_in_plugins(view: ParameterView) -> Iterator[Diagnostic]:
     """
     given = view.given.get("plugin_lib_names")
     declared = view.exact.get("plugin_lib_names")
-    if given is None or declared is None or declared.default or not isinstance(given.value, list):
+    if given is None or declared is None or declared.default != [] or not isinstance(given.value, list):
         return
     twice = [name for name in given.value if name in stated_facts().tree_nodes]
     if twice:

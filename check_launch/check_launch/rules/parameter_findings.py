@@ -292,7 +292,7 @@ def _spelling(value: Any, type_: str) -> str:
 
 def _of_plugins(view: ParameterView) -> Iterator[Diagnostic]:
     for plugin in view.plugins:
-        if plugin.place is None or plugin.type is None:
+        if plugin.place is None or plugin.type is None or _is_default(plugin, view):
             continue
         at = plugin.place
         if plugin.is_spare:
@@ -310,6 +310,12 @@ def _of_plugins(view: ParameterView) -> Iterator[Diagnostic]:
         elif plugin.base.rpartition("::")[2] != plugin.slot.base.rpartition("::")[2]:
             loads = f"'{plugin.slot.parameter}' loads a {plugin.slot.base}"
             yield UnknownPlugin.at(at, f"the plugin '{plugin.type}' is a {plugin.base}, but {loads}")
+
+
+def _is_default(plugin: LoadedPlugin, view: ParameterView) -> bool:
+    """Return true for the type that the node itself names: its package may be another version than the catalogue's."""
+    declared = view.exact.get(f"{plugin.name}.{plugin.slot.parameter}".lstrip("."))
+    return plugin.slot.is_type and declared is not None and declared.default == plugin.type
 
 
 def _spare(plugin: LoadedPlugin, view: ParameterView) -> Iterator[Diagnostic]:
