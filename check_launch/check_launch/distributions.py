@@ -14,6 +14,7 @@ from check_launch.catalogue.catalogue_files import DISTRIBUTIONS
 from check_launch.expansion.launch_context import Packages
 from check_launch.rules.checking import Checked
 from check_launch.rules.launch_rules import as_warning
+from check_launch.rules.stated_facts import stated_facts
 from roverlink import bounded_files
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
 
@@ -70,6 +71,9 @@ def _compared(finding: Diagnostic, first: str, others: Mapping[str, Set[_Key] | 
         for name, keys in others.items()
         if keys is None or _key(finding) not in keys
     ]
+    facts = stated_facts()
+    if others and any(f"'{old}'" in finding.message for old in (*facts.renamed_options, *facts.renamed_plugins)):
+        parts.append("right in older distributions")
     if finding.severity not in _COMPARED or not parts:
         return finding
     return as_warning(replace(finding, message=f"{finding.message} (in {first}; {', '.join(parts)})"))

@@ -71,7 +71,8 @@ Server::Server(const rclcpp::NodeOptions & options)
   get_parameter("stamped", stamped_);
   if (stamped_ && callback) {
     cmd_ = create_publisher<geometry_msgs::msg::TwistStamped>("cmd", 1);
-  } else if (camera_) {}
+  }
+  if (stamped_) pub_.reset(); else { pub_ = create_publisher<std_msgs::msg::Int8>("said", 1); }
   if (stamped_) {} else { cmd_ = create_publisher<geometry_msgs::msg::Twist>("cmd", 1); }
   camera_ = image_transport::create_camera_publisher(this, CAMERA, rclcpp::QoS{9}.get_rmw_qos_profile());
 }
@@ -152,6 +153,7 @@ def test_topics_have_types_and_qos(catalogue: dict[str, Any]) -> None:
             ("publisher", "eye/image", "sensor_msgs/msg/Image", "reliable", "volatile"),
             ("publisher", "rocks/base_link", "std_msgs/msg/Empty", "reliable", "volatile"),
             ("publisher", "rocks/map", "nav_msgs/msg/OccupancyGrid", "reliable", "transient_local"),
+            ("publisher", "said", "std_msgs/msg/Int8", "reliable", "volatile"),
             ("publisher", 'say " + base_link', "std_msgs/msg/Bool", "reliable", "volatile"),
             ("service", "~/clear", "std_srvs/srv/Empty"),
             ("subscription", "$(scan_topic)", "sensor_msgs/msg/LaserScan", "best_effort", "volatile"),

@@ -734,12 +734,15 @@ def test_the_map_of_a_costmap_is_that_of_the_namespace_around_it(write: Write, c
 def test_what_only_some_distributions_refuse_is_a_warning(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
     """The texts of a workspace may name its distribution; of one without a catalogue, nothing is certain."""
     planner = _parameters("planner_server", "planner_plugins: [G]", "G: {plugin: 'nav2_navfn_planner::NavfnPlanner'}")
-    for text, level, end in (
-        ("", "warning", "(in humble; not in jazzy, not in kilted)"),
-        ("# ROS 2 Foxy, not Humble", "warning", "(in humble; there is no catalogue of foxy)"),
-        ("FROM ros:humble-ros-base", "error", "for 'planner_plugins'"),
+    amcl = _parameters("amcl", "robot_model_type: differential")  # as in Foxy and Galactic
+    for text, parameters, level, end in (
+        ("", planner, "warning", "(in humble; not in jazzy, not in kilted)"),
+        ("", amcl, "warning", "(in humble; right in older distributions)"),
+        ("# ROS 2 Foxy, not Humble", planner, "warning", "(in humble; there is no catalogue of foxy)"),
+        ("FROM ros:humble-ros-base", planner, "error", "for 'planner_plugins'"),
+        ("FROM ros:humble-ros-base", amcl, "error", "for 'robot_model_type'"),
     ):
-        write({"p.yaml": planner, "docker/Dockerfile": text})
+        write({"p.yaml": parameters, "docker/Dockerfile": text})
         assert main(["check-launch", "p.yaml"]) == 1
         assert re.search(f"{level}\\[PLG101\\].*{re.escape(end)}\n", capsys.readouterr().out)
 

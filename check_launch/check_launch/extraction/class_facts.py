@@ -285,7 +285,7 @@ class _PackageReader:
         for written, is_true in source.conditions(call.position):
             parts = written.split("&&") if is_true and "||" not in written else [written]
             texts = [text for part in parts if (text := self._condition(part, source, call))]
-            known += [text if is_true else f"not ({text})" for text in texts]
+            known += [f"not ({text})" if not is_true else f"({text})" if " or " in text else text for text in texts]
         return " and ".join(dict.fromkeys(known))
 
     def _condition(self, written: str, source: CppSource, call: Call) -> str:
