@@ -509,7 +509,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
     "keyword arguments that no node has, and that nodes had": (
         _PYTHON_NODE.replace("name='filter'", "naem='filter', node_name='filter'"),
         "",
-        ["error LCH103 did you mean 'name'?"] * 2,
+        [f"{level} LCH103 did you mean 'name'?" for level in ("error", "warning")],  # Foxy has node_name
     ),
     "a keyword argument that no declaration has": (
         _ACTIONS
