@@ -145,12 +145,12 @@ class DdsMiddleware(Middleware):
     def __init__(self, node: NodeIdentity, parameters: NodeParameters | None = None) -> None:
         self._domain_id = domain_id = ros_domain()
         self._writers = MatchedWriters()
-        # Cyclone DDS calls the listeners of what was not deleted until the domain has gone, so Python must keep them.
-        _unfinished.add(self)
         try:
             self._participant = _join(domain_id, self._writers)
         except DDSException as error:
             raise MiddlewareError(f"Cyclone DDS cannot join domain {domain_id}: {error}") from error
+        # Cyclone DDS calls the listeners of what was not deleted until the domain has gone, so Python must keep them.
+        _unfinished.add(self)
         self._joined_addresses = JoinedAddresses()
         self._announcer = GraphAnnouncer(self._participant, node)
         self._waitset = WaitSet(self._participant)
