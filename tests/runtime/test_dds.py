@@ -347,15 +347,16 @@ def test_a_node_that_cannot_leave_is_kept(join: Open, topic: str) -> None:
         hangs.set()
         go_on.wait(PATIENCE_S)
 
+    before = {*threading.enumerate()}
     node = open_middleware("dds", NodeIdentity("hangs"))
+    [thread] = [one for one in threading.enumerate() if one.name == "dds-take" and one not in before]
     node.subscribe(topic, ImuSensorInformation, Qos(), take)
     wait_until(lambda: publisher.publish(_numbered(1)) and hangs.is_set(), "a message")
-    threads = threading.enumerate()
     node.close()
     kept = weakref.ref(node)
     del node
     go_on.set()
-    wait_until(lambda: len(threading.enumerate()) < len(threads), "the thread to end")
+    thread.join(PATIENCE_S)
     gc.collect()
     assert kept() is not None
 

@@ -260,9 +260,9 @@ class Expander:
 
     def actions(self, path: str) -> tuple[list[Action], list[Diagnostic]]:
         """Return the actions of a launch file. Raises `UnreadableFileError`, `NeedsMoreError` or `OfRos1Error`."""
-        if is_python(Path(path)):
-            return self.python(path).actions(), []
         if path not in self._declarative:
+            if is_python(Path(path)):
+                return self.python(path).actions(), []
             self._declarative[path] = read_declarative(Path(path), self.shown(path))
         return self._declarative[path]
 

@@ -117,7 +117,7 @@ class EndpointFact:
     reliability: str = ""
     durability: str = ""
     when: str = ""
-    """What is known of the condition on parameters under which the class has it (see `Endpoint.when`)."""
+    """Condition on parameters under which the class has it, as far as the sources say it (see `Endpoint.when`)."""
 
 
 @dataclass(slots=True)
@@ -285,7 +285,7 @@ class _PackageReader:
         for written, is_true in source.conditions(call.position):
             parts = written.split("&&") if is_true and "||" not in written else [written]
             texts = [text for part in parts if (text := self._condition(part, source, call))]
-            known += [f"not ({text})" if not is_true else f"({text})" if " or " in text else text for text in texts]
+            known += [text if is_true else f"not ({text})" for text in texts]
         return " and ".join(dict.fromkeys(known))
 
     def _condition(self, written: str, source: CppSource, call: Call) -> str:
@@ -308,7 +308,8 @@ class _PackageReader:
         text = _VALUE.sub(replaced, written)
         for operator, word in _OPERATORS.items():
             text = text.replace(operator, word)
-        return "" if any(unknown) else " ".join(text.split())
+        text = " ".join(text.split())
+        return "" if any(unknown) else f"({text})" if " or " in text else text
 
     def _bases_of(self, owner: str) -> set[str]:
         facts = self._classes.get(owner)

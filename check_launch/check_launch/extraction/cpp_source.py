@@ -161,7 +161,6 @@ class CppSource:
                 if kind == "function" and not in_function:
                     function = name
                 stack.append((kind, name, start, _conditions(header, before) if in_function else ()))
-                before = ()
             elif character == "}" and stack:
                 kind, name, began, before = stack.pop()
                 if before:
@@ -173,11 +172,11 @@ class CppSource:
                 name = alias["name"] or alias["new"]
                 meaning = " ".join((alias["type"] or alias["old"]).split())
                 self.aliases.append((f"{scope}::{name}" if scope else name, meaning))
-            if character == ";":
-                before = ()  # an `else` behind it belongs to a branch without braces
             depth = max(0, depth + (character == "(") - (character == ")"))
             if character in "{};":
                 start, depth = position + 1, 0
+            if character in "{;":
+                before = ()  # an `else` behind it belongs to a branch without braces
             position += 1
 
     def _block(self, header: str, outer: str, in_function: bool, function: str) -> tuple[str, str]:
