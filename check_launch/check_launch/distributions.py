@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +21,7 @@ from roverlink.generator.diagnostics import Diagnostic, Severity, Span
 _OTHERS = ("kinetic", "melodic", "noetic", "dashing", "eloquent", "foxy", "galactic", "iron", "lyrical", "rolling")
 _NAMED = re.compile(rf"\bros[ _-]?2?(?:[_-]distro\w*)?\W{{1,4}}({'|'.join((*DISTRIBUTIONS, *_OTHERS))})\b".encode())
 """`ROS 2 Humble`, `/opt/ros/humble`, `ros:humble`, `ros-humble-nav2-bringup`, `ROS_DISTRO=humble`."""
-_BESIDE = ("*", "*/*", ".github/workflows/*")
+_BESIDE = ("*", "*/*", ".devcontainer/*", ".github/workflows/*")
 _LARGEST = 1 << 18  # bytes of a text that somebody has written
 _COMPARED = (Severity.ERROR, Severity.WARNING)
 _Key = tuple[str, Span, Severity]
@@ -30,39 +30,50 @@ _Key = tuple[str, Span, Severity]
 def distributions_of(tops: Iterable[Path], packages: Packages) -> tuple[str, ...]:
     """Return the distributions that a workspace may be for, the likeliest first.
 
-    It is one only if the variable ROS_DISTRO has it, or if the texts of the workspace name no other one. ``tops`` are
-    its folders, and ``packages`` those in them.
+    It is one only if the variable ROS_DISTRO has it, or if the texts of the workspace name no other one. The texts of
+    folders with packages, which may be others' repositories, count if the workspace's own name none. ``tops`` are its
+    folders, and ``packages`` those in them.
     """
     if named := os.environ.get("ROS_DISTRO"):
         return (named,)
-    counts = Counter(name.decode() for text in _texts(tops, packages) for name in {*_NAMED.findall(text.lower())})
+    folders = {one for copies in packages.copies.values() for one in copies}
+    around = {parent for one in folders for parent in one.parents}
+    beside, above = Counter[str](), Counter[str]()
+    for top in {path.resolve() for path in tops}:
+        for path in (path for pattern in _BESIDE for path in top.glob(pattern)):
+            if path.parent == top or path.parent not in folders:
+                is_own = path.parent == top or path.parent not in around
+                (beside if is_own else above).update(_names_in(path))
+    counts = beside or above
     if len(counts) == 1:
         return tuple(counts)
     return tuple(sorted(DISTRIBUTIONS, key=lambda name: -counts[name]))
 
 
-def _texts(tops: Iterable[Path], packages: Packages) -> Iterator[bytes]:
-    """Yield the texts of a workspace that stand beside its packages, such as README.md and docker/Dockerfile."""
-    of_packages = {path for folders in packages.copies.values() for one in folders for path in (one, *one.parents)}
-    for top in {path.resolve() for path in tops}:
-        for path in (path for pattern in _BESIDE for path in top.glob(pattern)):
-            if path.parent == top or path.parent not in of_packages:
-                with suppress(OSError):
-                    yield bounded_files.read(path, _LARGEST)
+def _names_in(path: Path) -> set[str]:
+    """Return the distributions that a text names, such as README.md or a Dockerfile."""
+    with suppress(OSError):
+        return {name.decode() for name in _NAMED.findall(bounded_files.read(path, _LARGEST).lower())}
+    return set()
 
 
 def checked_for(distributions: Sequence[str], check: Callable[[str], Checked]) -> Checked:
-    """Check for the first of the distributions that has a catalogue, and say which findings others do not have.
+    """Check for the distribution that refuses the least, and say which of its findings others do not have.
 
-    ``check`` checks for one distribution. What is an error in one distribution only is no certain error.
+    ``distributions`` are those that a workspace may be for, the likeliest first, and ``check`` checks for one that has
+    a catalogue. What is an error in one distribution only is no certain error.
     """
-    first = next((name for name in distributions if name in DISTRIBUTIONS), DISTRIBUTIONS[0])
-    checked = check(first)
-    if not any(finding.severity in _COMPARED for finding in checked.findings):
-        return checked
-    others = {name: _keys(check(name)) if name in DISTRIBUTIONS else None for name in distributions if name != first}
-    checked.findings = [_compared(finding, first, others) for finding in checked.findings]
-    return checked
+    first, *rest = [name for name in distributions if name in DISTRIBUTIONS] or DISTRIBUTIONS[:1]
+    checked = {first: check(first)}
+    if not _keys(checked[first]):
+        return checked[first]
+    checked |= {name: check(name) for name in rest}
+    best = min(checked, key=lambda name: len(_keys(checked[name])))
+    others = {name: _keys(checked[name]) if name in checked else None for name in (*checked, *distributions)}
+    others.pop(best)
+    found = checked[best]
+    found.findings = [_compared(finding, best, others) for finding in found.findings]
+    return found
 
 
 def _compared(finding: Diagnostic, first: str, others: Mapping[str, Set[_Key] | None]) -> Diagnostic:
@@ -84,4 +95,4 @@ def _key(finding: Diagnostic) -> _Key:
 
 
 def _keys(checked: Checked) -> set[_Key]:
-    return {_key(finding) for finding in checked.findings}
+    return {_key(finding) for finding in checked.findings if finding.severity in _COMPARED}

@@ -49,8 +49,8 @@ def is_misspelling(name: str, other: str) -> bool:
 
 
 def is_other_axis(name: str, other: str) -> bool:
-    """Return true if names differ only in the axis or number that they name, such as `origin_y` and `origin_z`."""
-    return _OF_MANY.sub("0", name) == _OF_MANY.sub("0", other)
+    """Return true if names differ only in an axis or a number, such as `origin_y` and `origin_z`, or `ros2`."""
+    return _OF_MANY.sub("", name) == _OF_MANY.sub("", other)
 
 
 def misspelt(name: str, known: Iterable[str]) -> list[str]:

@@ -554,6 +554,12 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters("driver", "gains: [1, 0.5]"),
         ["hint LCH106", "error PAR103 write [1.0, 0.5]"],
     ),
+    "numbers as launch_ros writes them": (
+        _ACTIONS % "Node(package='nav2_velocity_smoother', executable='velocity_smoother', "
+        "parameters=[{'max_velocity': [1, 0.0, 2], 'smoothing_frequency': '2e1'}])",
+        "",
+        [],
+    ),
     "lists in lists and mappings in lists": (
         _node("robot_localization", "ekf_node", name="ekf"),
         _parameters("ekf", "frequency: [[30.0]]", "a: [{sensor_timeout: 1.0}]", "control_config: [[true], [true]]"),
@@ -733,10 +739,15 @@ def test_the_map_of_a_costmap_is_that_of_the_namespace_around_it(write: Write, c
 
 def test_what_only_some_distributions_refuse_is_a_warning(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
     """The texts of a workspace may name its distribution; of one without a catalogue, nothing is certain."""
-    planner = _parameters("planner_server", "planner_plugins: [G]", "G: {plugin: 'nav2_navfn_planner::NavfnPlanner'}")
+    of_jazzy = "G: {plugin: 'nav2_navfn_planner::NavfnPlanner'}"
+    planner = _parameters("planner_server", "planner_plugins: [G]", of_jazzy)
+    write({"p.yaml": planner})
+    assert main(["check-launch", "p.yaml"]) == 0  # the distribution that refuses the least is the likeliest
+    of_humble = "H: {plugin: 'nav2_navfn_planner/NavfnPlanner'}"
+    either = _parameters("planner_server", "planner_plugins: [G, H]", of_jazzy, of_humble)
     amcl = _parameters("amcl", "robot_model_type: differential")  # as in Foxy and Galactic
     for text, parameters, level, end in (
-        ("", planner, "warning", "(in humble; not in jazzy, not in kilted)"),
+        ("", either, "warning", "(in humble; not in jazzy, not in kilted)"),
         ("", amcl, "warning", "(in humble; right in older distributions)"),
         ("# ROS 2 Foxy, not Humble", planner, "warning", "(in humble; there is no catalogue of foxy)"),
         ("FROM ros:humble-ros-base", planner, "error", "for 'planner_plugins'"),
@@ -764,10 +775,11 @@ def test_a_misspelt_dependency_is_found_wherever_its_folder_is_used(write: Write
             "package.xml": "<package><name>r</name><depend>rover_description</depend></package>",
             "a_launch.yaml": node % "rover_desription",
             "b_launch.yaml": node % "rover_description",
+            "c_launch.yaml": node % "rover_description2",
         }
     )
     assert check("a_launch.yaml")[1] == ["a_launch.yaml:2:5: LCH107 did you mean 'rover_description'?"]
-    assert check("b_launch.yaml") == (0, [])
+    assert check("b_launch.yaml") == check("c_launch.yaml") == (0, [])
 
 
 def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
@@ -779,10 +791,11 @@ def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.Ca
             "c.launch": '<launch><node pkg="rviz" type="rviz" name="rviz"/></launch>',
             "package.xml": "<package><buildtool_depend>catkin</buildtool_depend></package>",
             "p.yaml": _parameters("d", "speed: 1.0"),
+            "template.yaml": _parameters("d", "gains: [__GAIN__, 1.0]"),
         }
     )
     assert main(["check-launch", "."]) == 0
-    extent = "1 of 2 launch files evaluated, 1 launch file of ROS 1, 1 of 1 parameter file not checked, "
+    extent = "1 of 2 launch files evaluated, 1 launch file of ROS 1, 2 of 2 parameter files not checked, "
     extent += "with the catalogue of humble.\n"
     assert capsys.readouterr().out.endswith(extent)
 

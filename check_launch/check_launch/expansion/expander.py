@@ -41,6 +41,7 @@ from check_launch.expansion.parameter_files import (
     GivenValue,
     ParameterFile,
     Section,
+    dumped,
     rewritten,
     typed,
 )
@@ -687,13 +688,17 @@ class _Run:
 
     def _value(self, value: Any, is_text: bool) -> Any:
         """Return a parameter's value as launch_ros types it: the text of substitutions is read as YAML."""
-        for kind in (str, bool, int, float):
+        if isinstance(value, str):
+            return UNKNOWN if RUN_TIME in value else dumped(str(value))  # not a class of the launch file
+        for kind in (bool, int, float):
             if isinstance(value, kind):
-                return UNKNOWN if RUN_TIME in str(value) else kind(value)  # not a class of the launch file
+                return kind(value)
         if isinstance(value, list | tuple) and value and not any(hasattr(part, "perform") for part in value):
-            values = [
+            values: list[Any] = [
                 self._value(part, False) if not isinstance(part, list | tuple) else self._text(part) for part in value
             ]
+            if {type(part) for part in values} == {int, float}:
+                return [float(part) for part in values]
             return UNKNOWN if any(part is UNKNOWN or part is None for part in values) else values
         text = self._text(value)
         if text is None:
@@ -773,6 +778,8 @@ _COMPARED = re.compile("\0(\\w+)\0['\"]?\\s*[!=]=\\s*['\"]([^'\"]*)['\"]")
 
 def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | None]]:
     """Yield the names of the arguments in conditions and expressions, and the texts that they are compared with."""
+    if isinstance(text, str | Ignored):
+        return
     if isinstance(text, list | tuple):
         for part in text:
             yield from _arguments_in(part, is_condition)
@@ -790,9 +797,9 @@ def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | No
         for side, other in ((text.left, text.right), (text.right, text.left)):
             if isinstance(side, LaunchConfiguration) and isinstance(side.variable_name, str):
                 yield side.variable_name, other if isinstance(other, str) else None
-    elif not isinstance(text, Ignored):
+    else:
         for name in ("left", "right", "value", "condition"):
-            if hasattr(text, name) and not isinstance(text, str):
+            if hasattr(text, name):
                 yield from _arguments_in(getattr(text, name), True)
 
 

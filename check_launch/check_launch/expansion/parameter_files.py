@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -230,6 +231,7 @@ def typed_node(node: yaml.ScalarNode) -> Any:
     return typed(node.value) if _FLOAT.fullmatch(node.value) else plain(node)
 
 
+@lru_cache(maxsize=1 << 14)  # launch files give the same values with each value of their arguments
 def typed(text: str) -> Any:
     """Return the value of a text as ROS 2 types it without quotation marks."""
     if _FLOAT.fullmatch(text):
@@ -238,6 +240,15 @@ def typed(text: str) -> Any:
         return yaml.safe_load(text)
     except yaml.YAMLError:
         return text
+
+
+def dumped(text: str) -> str | float:
+    """Return what a node gets of a text in a Python launch file.
+
+    launch_ros writes it with PyYAML, which leaves a number such as 1e6 without quotation marks, since it needs a dot
+    and a sign to be one for YAML 1.1. rcl_yaml_param_parser reads it with strtod.
+    """
+    return float(text) if _FLOAT.fullmatch(text) and isinstance(yaml.safe_load(text), str) else text
 
 
 def rewritten(sections: list[Section], root: str, rewrites: Mapping[str, Any]) -> list[Section]:

@@ -15,8 +15,9 @@ import traceback
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
+from types import CodeType, MappingProxyType
 from typing import Any
 
 from check_launch.expansion import real_launch
@@ -72,7 +73,7 @@ class PythonFile:
         """Run the file, and return its actions. Raises `UnreadableFileError` or `NeedsMoreError`."""
         names: dict[str, Any] = {"__name__": "launch_file", "__file__": str(self._path), "__builtins__": __builtins__}
         with self._running():
-            exec(compile(self._tree, str(self._path), "exec"), names)  # noqa: S102  # a launch file is a program
+            exec(self._code, names)  # noqa: S102  # a launch file is a program
             found = names[_FUNCTION]()
             if found is None:
                 raise UnreadableFileError(Span(self._shown, self._declaration), f"{_FUNCTION} returns None")
@@ -82,6 +83,10 @@ class PythonFile:
                 message = f"{_FUNCTION} returns no LaunchDescription: write LaunchDescription([...]) around the actions"
                 raise UnreadableFileError(Span(self._shown, self._declaration), message)
             return actions_of(found)
+
+    @cached_property
+    def _code(self) -> CodeType:
+        return compile(self._tree, str(self._path), "exec")
 
     def called(self, function: Any, context: Context) -> list[Action]:
         """Call a function of an OpaqueFunction, and return its actions.

@@ -9,6 +9,7 @@ accepts everything and starts nothing.
 from __future__ import annotations
 
 import ast
+import itertools
 import os
 import sys
 from collections.abc import Iterable, Mapping
@@ -210,7 +211,7 @@ class _File:
 
     path: str
     shown: str
-    literals: list[tuple[str, int, int]] = field(default_factory=list)
+    literals: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
     spans: dict[int, int] = field(default_factory=dict)
     columns: dict[int, int] = field(default_factory=dict)
     """Column of the first call in each line."""
@@ -218,7 +219,7 @@ class _File:
     def read(self, tree: ast.AST) -> None:
         for node in ast.walk(tree):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                self.literals.append((node.value, node.lineno, node.col_offset + 1))
+                self.literals.setdefault(node.value, []).append((node.lineno, node.col_offset + 1))
             elif isinstance(node, ast.Call):
                 end = node.end_lineno or node.lineno
                 self.spans[node.lineno] = max(end, self.spans.get(node.lineno, 0))
@@ -229,7 +230,7 @@ class _File:
         """Return the place of a literal text: in the call at a place, or else the first one in the file."""
         if isinstance(text, list | tuple) and text:
             text = text[0]
-        found = [(line, column) for value, line, column in self.literals if value == text]
+        found = self.literals.get(text, ()) if isinstance(text, str) else ()
         inside = [literal for literal in found if near.line <= literal[0] <= self.spans.get(near.line, near.line)]
         line, column = next(iter(sorted(inside) or sorted(found)), (near.line, near.column))
         return Span(self.shown, line, column)
@@ -256,8 +257,7 @@ class StandIns:
         if frame is None:
             return Span(self._file.shown)
         if hasattr(frame.f_code, "co_positions"):  # since Python 3.11; before, only the line is known
-            positions = list(frame.f_code.co_positions())
-            line, _, start, _ = positions[frame.f_lasti // 2]
+            line, _, start, _ = next(itertools.islice(frame.f_code.co_positions(), frame.f_lasti // 2, None))
             if line is not None and start is not None:
                 return Span(self._file.shown, line, start + 1)
         return Span(self._file.shown, frame.f_lineno, self._file.columns.get(frame.f_lineno, 0))

@@ -259,7 +259,7 @@ class ParameterView:
             self.exact.setdefault(prefix + pattern, parameter)
             return
         if (item := _ITEM.fullmatch(pattern)) and self.names(prefix + item[1]) is not None:
-            self._lists[prefix, item[2]] = prefix + item[1]
+            self._note_list(prefix, item[2], prefix + item[1])
         alternatives = [pattern.replace("{*}", f"\0{_ANY_NAME}\0")]
         for match in _LIST.finditer(pattern):
             names = self.names(prefix + match[1])
@@ -296,10 +296,13 @@ class ParameterView:
             type_, type_place = self._type(slot, facts, prefix, name)
             self._load(LoadedPlugin(slot, prefix + name, type_, type_place or place), inner, prefix, seen)
             for rest in [key.removeprefix(inner) for key in self.exact if key.startswith(inner)]:
-                if self._lists.setdefault((prefix, rest), full) != full:
-                    self._lists[prefix, rest] = ""
+                self._note_list(prefix, rest, full)
         if slot.type_key == "plugin":
             self._add_spare(slot, prefix, seen)
+
+    def _note_list(self, before: str, behind: str, listed: str) -> None:
+        if self._lists.setdefault((before, behind), listed) != listed:
+            self._lists[before, behind] = ""
 
     def _add_spare(self, slot: PluginSlot, prefix: str, seen: set[str]) -> None:
         """Add the parameters of plugins that are configured, but not in the list of those that are loaded."""

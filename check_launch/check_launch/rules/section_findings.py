@@ -129,11 +129,10 @@ class Sections:
         there are launch files that could have used the file, and the findings are hints.
         """
         for section in sections:
-            yield from _of_file(section)
             facts = self._classes.get(section.node_name)
             if facts is not None and self._fits(section.values, facts) > 0:
                 self.read_files.add(shown)
-            for finding in self._of_name(section):
+            for finding in (*_of_file(section), *self._of_name(section)):
                 yield as_hint(finding) if is_unused else finding
 
     def _of_name(self, section: Section) -> Iterator[Diagnostic]:
