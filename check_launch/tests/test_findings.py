@@ -312,10 +312,14 @@ _XML_NODE = """
 <remap from="imu/data_raw" to="/camera/imu"/></node></group></launch>
 """
 _PYTHON_NODE = """
+from dataclasses import dataclass
 from launch import LaunchDescription as L
 from launch.actions import *
 from launch.substitutions import LaunchConfiguration as C
 from launch_ros.actions import *
+@dataclass
+class Robot:
+    name: str = 'rover'
 def generate_launch_description():
     return L([DeclareLaunchArgument('ns', default_value='rover'), GroupAction([PushRosNamespace(C('ns')),
         Node(package='imu_filter_madgwick', executable='imu_filter_madgwick_node', name='filter',

@@ -15,7 +15,6 @@ import traceback
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from functools import cached_property
 from pathlib import Path
 from types import CodeType, MappingProxyType
 from typing import Any
@@ -58,7 +57,7 @@ class PythonFile:
         """
         self._path, self._shown, self._packages = path, shown, packages
         self._stand_ins = StandIns(path, shown, packages)
-        self._tree = _parsed(path, shown)
+        self._tree, self._code = _parsed(path, shown)
         self._declaration = line_of_launch_description(self._tree)
         if not self._declaration:
             raise UnreadableFileError(Span(shown), f"the file has no function {_FUNCTION}")
@@ -83,10 +82,6 @@ class PythonFile:
                 message = f"{_FUNCTION} returns no LaunchDescription: write LaunchDescription([...]) around the actions"
                 raise UnreadableFileError(Span(self._shown, self._declaration), message)
             return actions_of(found)
-
-    @cached_property
-    def _code(self) -> CodeType:
-        return compile(self._tree, str(self._path), "exec")
 
     def called(self, function: Any, context: Context) -> list[Action]:
         """Call a function of an OpaqueFunction, and return its actions.
@@ -228,13 +223,14 @@ class _Environment(dict[str, str]):
             self.missing.append(name)
 
 
-def _parsed(path: Path, shown: str) -> ast.Module:
+def _parsed(path: Path, shown: str) -> tuple[ast.Module, CodeType]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of escapes in a stranger's texts
             tree = ast.parse(bounded_files.read(path), str(path))
-            compile(tree, str(path), "exec")  # refuses more than the grammar, such as an argument that is given twice
-            return tree
+            # It refuses more than the grammar, such as an argument that is given twice. With `dont_inherit`, the
+            # `annotations` of this module are not those of the file.
+            return tree, compile(tree, str(path), "exec", dont_inherit=True)
     except OSError as error:
         raise UnreadableFileError(Span(shown), f"cannot read the file: {error.strerror or error}") from error
     except SyntaxError as error:
@@ -270,7 +266,7 @@ def is_python(path: Path) -> bool:
 def is_launch_program(path: Path) -> bool:
     """Return true if a Python file can be read, and declares the function that `ros2 launch` calls."""
     try:
-        return line_of_launch_description(_parsed(path, str(path))) > 0
+        return line_of_launch_description(_parsed(path, str(path))[0]) > 0
     except UnreadableFileError:
         return True  # so that the check says why
 
