@@ -786,6 +786,14 @@ def test_a_misspelt_dependency_is_found_wherever_its_folder_is_used(write: Write
     assert check("b_launch.yaml") == check("c_launch.yaml") == (0, [])
 
 
+def test_what_moveit_starts_is_unknown_also_beside_its_sources(write: Write, check: Check) -> None:
+    """A launch file that calls moveit_configs_utils is right, although the module that it calls is no launch file."""
+    moveit = "from moveit_configs_utils.launches import generate_rsp_launch\n"
+    write({"m/package.xml": "<package><name>moveit_configs_utils</name></package>", "m/launches.py": ""})
+    write({"a.launch.py": f"{moveit}def generate_launch_description():\n    return generate_rsp_launch(None)\n"})
+    assert check("a.launch.py") == (0, [])
+
+
 def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
     """Launch files that need more than is here, those of ROS 1, and files of unknown nodes are counted."""
     write(

@@ -425,8 +425,8 @@ class StandIns:
         return _with(Include(place, None, launch_description_source, arguments), options, "launch_arguments")
 
     def _of_moveit(self, *_: Any, **__: Any) -> LaunchDescription:
-        """Return what a function of moveit_configs_utils starts: an unknown launch file of this package."""
-        return LaunchDescription([Include(self.place(), None, f"{UNKNOWN_SHARE}moveit_configs_utils/launches.py")])
+        """Return what a function of moveit_configs_utils starts: an unknown launch file, also beside its sources."""
+        return LaunchDescription([Include(self.place(), None, f"{UNKNOWN_SHARE}moveit_configs_utils.launches/launch")])
 
     def _execute(self, *, cmd: Any = (), **options: Any) -> Action:
         return _with(Execute(self.place(), None, _words("cmd", cmd)), options, "cmd", "name", *_OF_PROCESS)
