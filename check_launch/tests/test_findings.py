@@ -804,10 +804,11 @@ def test_the_summary_says_how_much_was_looked_at(write: Write, capsys: pytest.Ca
             "package.xml": "<package><buildtool_depend>catkin</buildtool_depend></package>",
             "p.yaml": _parameters("d", "speed: 1.0"),
             "template.yaml": _parameters("d", "gains: [__GAIN__, 1.0]"),
+            "template_of_jinja.yaml": _parameters("{{ name }}/d", "speed: 1.0"),
         }
     )
     assert main(["check-launch", "."]) == 0
-    extent = "1 of 2 launch files evaluated, 1 launch file of ROS 1, 2 of 2 parameter files not checked, "
+    extent = "1 of 2 launch files evaluated, 1 launch file of ROS 1, 3 of 3 parameter files not checked, "
     extent += "with the catalogue of humble.\n"
     assert capsys.readouterr().out.endswith(extent)
 

@@ -39,6 +39,7 @@ _CASES: Mapping[str, tuple[Mapping[str, str | bytes], str]] = {
     ),
     "is Python, whatever its name": ({"a.launch": _PYTHON + _FUNCTION}, ""),
     "asks the user": ({"a.launch.py": _PYTHON + "input()" + _FUNCTION}, ""),
+    "needs what a user gives": ({"a.launch.py": _PYTHON + "sys.argv or 0\nnumber_of_robots" + _FUNCTION}, ""),
     "imports what is not there": ({"a.launch.py": "from xml import Missing\n" + _PYTHON + _FUNCTION}, ""),
     "uses what is not known": ({"a.launch.py": "import std_msgs.msg as m; m.A()[0] = 1; -m.A()" + _FUNCTION}, ""),
     "returns nothing": ({"a.launch.py": "def generate_launch_description():\n    pass\n"}, "returns None"),

@@ -693,7 +693,7 @@ class _Run:
         for kind in (bool, int, float):
             if isinstance(value, kind):
                 return kind(value)
-        if isinstance(value, list | tuple) and value and not any(hasattr(part, "perform") for part in value):
+        if isinstance(value, list | tuple) and not any(hasattr(part, "perform") for part in value):
             values: list[Any] = [
                 self._value(part, False) if not isinstance(part, list | tuple) else self._text(part) for part in value
             ]

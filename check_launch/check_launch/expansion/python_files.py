@@ -63,6 +63,7 @@ class PythonFile:
             raise UnreadableFileError(Span(shown), f"the file has no function {_FUNCTION}")
         self._stand_ins.read(self._tree)
         self._imports_all = any(isinstance(node, ast.alias) and node.name == "*" for node in ast.walk(self._tree))
+        self._reads_command_line = any(getattr(node, "attr", "") == "argv" for node in ast.walk(self._tree))
         self._imported = dict(imported_modules(self._tree))
         self._missing: dict[str, int] = {}
         self._has_opened_unknown = False
@@ -169,7 +170,7 @@ class PythonFile:
             return "an object is not known"
         if isinstance(error, ImportError) and not self._packages.holds(error.path or ""):
             return f"perhaps another '{error.name}' is installed where ROS 2 is"
-        if isinstance(error, EOFError):
+        if isinstance(error, EOFError) or self._reads_command_line:
             return "it reads what a user types"
         if isinstance(error, NameError) and self._imports_all:
             return "perhaps a module gives it, of which the file imports all names"

@@ -142,7 +142,8 @@ class Checker:
             except NoParametersError:
                 pass  # a file with another meaning: no launch file gives it to a node
             except UnreadableFileError as error:
-                checked.findings.append(UnreadableLaunchFile.at(error.place, str(error)))
+                unreadable = UnreadableLaunchFile.at(error.place, str(error))
+                checked.findings.append(as_hint(unreadable) if launch_files else unreadable)  # perhaps a template
         # A file for several nodes may serve those of several launch files.
         kept = [one for one in checked.findings if one.span not in checked.used or one.rule not in _OF_ONE_NODE]
         of_others = sections.of_others
