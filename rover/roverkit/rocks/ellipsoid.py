@@ -11,6 +11,7 @@ rocks, and the four numbers have a prior: without it, a rock with few pixels wou
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,10 +78,14 @@ class EllipsoidPatch:
         predicted: Floats = np.maximum(ground, nearer)
         return predicted
 
+    @property
+    def sigma(self) -> Floats:
+        """Standard deviations (N,) of the inverse depths: of the noise and of the irregularity of rocks together."""
+        return np.asarray(np.hypot(NOISE, _IRREGULARITY * self.length / 2 * self.inverse**2))
+
     def differences(self, shape: Floats | None) -> Floats:
         """Return the differences (N,) of measured and computed inverse depths in standard deviations."""
-        sigma = np.hypot(NOISE, _IRREGULARITY * self.length / 2 * self.inverse**2)
-        return np.asarray((self.inverse - self.predicted(shape)) / sigma)
+        return np.asarray((self.inverse - self.predicted(shape)) / self.sigma)
 
     def cost(self, shape: Floats | None) -> float:
         """Return twice the negative logarithm of the likelihood of a shape and its prior, up to a constant."""
@@ -100,8 +105,9 @@ class Ellipsoid:
 
     length: float
     width: float
-    misfit: float
-    """Root mean square of the differences on the rock in standard deviations: about 1 for a rock like an ellipsoid."""
+    unlike: float
+    """Standard deviation of the rock's surface from an ellipsoid beyond the irregularity that is assumed, divided by
+    that irregularity. At least what the noise may hide: far from the camera, no shape can be told from another."""
 
 
 def fit_ellipsoid(patch: EllipsoidPatch) -> Ellipsoid | None:
@@ -111,10 +117,13 @@ def fit_ellipsoid(patch: EllipsoidPatch) -> Ellipsoid | None:
         return None
     (half_length, half_width, _), _ = patch.sizes(shape)
     rock = patch.predicted(shape) > patch.predicted(None)
+    if not rock.any():
+        return None
     squares = np.minimum(patch.differences(shape)[rock] ** 2, _MOST_SQUARED)
-    return Ellipsoid(
-        2 * float(half_length), 2 * float(half_width), float(np.sqrt(squares.mean())) if rock.any() else 0.0
-    )
+    hidden = math.sqrt(2 / min(len(squares), _INDEPENDENT))  # standard deviation of a mean of squares
+    share = 1 - float(np.mean((NOISE / patch.sigma[rock]) ** 2))
+    unlike = math.sqrt(max(float(squares.mean()) - 1, hidden) / share)
+    return Ellipsoid(2 * float(half_length), 2 * float(half_width), unlike)
 
 
 def _descended(patch: EllipsoidPatch, shape: Floats) -> tuple[float, Floats]:

@@ -93,7 +93,8 @@ def measure(depth: NDArray[np.floating[Any]], camera: CameraParameters, line: Li
     segment = find_segment(patch, ground, ring, span)
     if segment is None:
         raise _no_rock()
-    extent = extent_of(segment, ground, ends, rays, depth.shape[::-1])
+    pixel = float(np.linalg.norm(ground_ends.mean(axis=0)) / camera.focal.mean())
+    extent = extent_of(segment, ground, ends, rays, depth.shape[::-1], pixel)
     others = np.zeros(len(has_depth), bool)
     others[np.flatnonzero(segment.inside)[~extent.own]] = True
     directions, depths = _some(patch, has_depth & ~others & (patch.distances <= _WIDEST * span), _ROCK_POINTS)
@@ -107,7 +108,6 @@ def measure(depth: NDArray[np.floating[Any]], camera: CameraParameters, line: Li
     )
     if ellipsoid is None:
         raise _no_rock()
-    pixel = float(np.linalg.norm(ground_ends.mean(axis=0)) / camera.focal.mean())
     length = length_of(ellipsoid, extent, pixel)
     width = width_of(ellipsoid, extent, length.value, pixel)
     near = patch.distances <= max(_OUTER * span, _LEAST_OUTER)

@@ -4,17 +4,18 @@
    rough ground together. What is higher than three of it stands above the ground.
 2. The segment is the connected part of that with most pixels at the line.
 
-Rocks that touch each other are one segment; `extent` divides it.
+Rocks that touch each other may be one segment; `extent` divides it.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roverkit.rocks.ground import Ground
+from roverkit.rocks.ground import NOISE, Ground
 from roverkit.vision.camera.camera_model import Floats
 from roverkit.vision.opencv import cv2
 
@@ -24,6 +25,11 @@ _LOWEST_M = 0.004
 """Least height in metres of what stands above the ground."""
 _WINDOW = 5  # pixels over which heights are averaged
 _KNOWN = 0.3  # least share of the window's pixels with a depth
+_STEEPEST = 5.7
+"""Tangent of the largest angle at which a surface is measured, 80 degrees: what is seen as steeper is a mixture of
+the depths before and behind an edge."""
+_NOISES = 2.0
+"""Largest difference of neighbouring inverse depths, in deviations: neighbours share most of the noise."""
 _AT_LINE = 0.12  # distance from the line, as a fraction of its length, up to which a pixel is at the line
 
 
@@ -43,6 +49,11 @@ class DepthPatch:
     """Distances (N,) from the line in pixels."""
     along: Floats
     """Places (N,) of the nearest points of the endless line: 0 is its first end, 1 its last one."""
+
+    @property
+    def pitch(self) -> float:
+        """Size of a pixel in the plane z = 1."""
+        return float(np.linalg.norm(self.directions[-1] - self.directions[0]) / math.hypot(*np.subtract(self.shape, 1)))
 
     def averaged(self, values: Floats, mask: NDArray[np.bool_]) -> tuple[Floats, Floats]:
         """Return the means (N,) over the pixels of a mask around each pixel, and the share of those pixels."""
@@ -87,20 +98,25 @@ def find_segment(patch: DepthPatch, ground: Ground, around: NDArray[np.bool_], s
     heights, share = patch.averaged(_heights(ground, patch.directions, patch.depth), has_depth)
     known = has_depth & (share >= _KNOWN)
     lowest = max(_SIGMAS * _spread(heights[around & known]), _LOWEST_M)
-    high = (known & (heights > lowest)).reshape(patch.shape).astype(np.uint8)
+    jump = _STEEPEST * patch.pitch * patch.depth + _NOISES * NOISE * patch.depth**2
+    depth = np.where(has_depth, patch.depth, np.inf).reshape(patch.shape).astype(np.float32)
+    nearest = cv2.erode(depth, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_REPLICATE).ravel()
+    edge = has_depth & (patch.depth - nearest > jump)
+    high = (known & ~edge & (heights > lowest)).reshape(patch.shape).astype(np.uint8)
     high = cv2.morphologyEx(high, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
-    # Holes in the depth may not divide a rock.
+    # What is unsure may not divide a rock.
+    sure = (known & ((heights <= lowest / 2) | (heights > lowest))).reshape(patch.shape)
     closed = cv2.morphologyEx(high, cv2.MORPH_CLOSE, np.ones((_WINDOW, _WINDOW), np.uint8))
-    count, parts = cv2.connectedComponents(np.where(known.reshape(patch.shape), high, closed))
+    count, parts = cv2.connectedComponents(np.where(sure, high, closed))
     parts = parts.ravel()
     at_line = (patch.distances <= _AT_LINE * span) & (patch.along > 0) & (patch.along < 1)
     votes = np.bincount(parts[at_line], minlength=count)
     votes[0] = 0
     if not votes.any():
         return None
-    inside = (parts == int(np.argmax(votes))) & has_depth
-    depth, _ = patch.averaged(patch.depth, inside)
-    return Segment(inside, patch.pixels[inside], patch.directions[inside], depth[inside], lowest)
+    inside = (parts == int(np.argmax(votes))) & has_depth & ~edge
+    averaged, _ = patch.averaged(patch.depth, inside)
+    return Segment(inside, patch.pixels[inside], patch.directions[inside], averaged[inside], lowest)
 
 
 def _heights(ground: Ground, directions: Floats, depth: Floats) -> Floats:
