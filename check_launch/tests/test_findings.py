@@ -318,10 +318,12 @@ from launch.actions import *
 from launch.substitutions import LaunchConfiguration as C
 from launch_ros.actions import *
 @dataclass
-class Robot:
-    name: str = 'rover'
+class Arguments:
+    ns: DeclareLaunchArgument = DeclareLaunchArgument('ns', default_value='rover')
+class Robot(GroupAction):
+    pass
 def generate_launch_description():
-    return L([DeclareLaunchArgument('ns', default_value='rover'), GroupAction([PushRosNamespace(C('ns')),
+    return L([Arguments.ns, Robot([PushRosNamespace(C('ns')),
         Node(package='imu_filter_madgwick', executable='imu_filter_madgwick_node', name='filter',
              parameters=[{'use_mag': False}], remappings=[('imu/data_raw', '/camera/imu')])])])
 """

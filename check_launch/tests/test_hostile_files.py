@@ -42,6 +42,7 @@ _CASES: Mapping[str, tuple[Mapping[str, str | bytes], str]] = {
     "needs what a user gives": ({"a.launch.py": _PYTHON + "sys.argv or 0\nnumber_of_robots" + _FUNCTION}, ""),
     "imports what is not there": ({"a.launch.py": "from xml import Missing\n" + _PYTHON + _FUNCTION}, ""),
     "uses what is not known": ({"a.launch.py": "import std_msgs.msg as m; m.A()[0] = 1; -m.A()" + _FUNCTION}, ""),
+    "waits for what is not known": ({"a.launch.py": "import std_msgs.msg as m\nwhile m.A()(): 0" + _FUNCTION}, ""),
     "returns nothing": ({"a.launch.py": "def generate_launch_description():\n    pass\n"}, "returns None"),
     "refuses to go on": ({"a.launch.py": "import sys; sys.exit(1)" + _FUNCTION}, ""),
     "is no launch file, and does not run": ({"a.launch.py": "import no_such_module"}, "has no function"),

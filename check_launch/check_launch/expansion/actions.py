@@ -11,19 +11,23 @@ from roverlink.generator.diagnostics import Span
 Text = Any
 """A text of a launch file: a text, a substitution, or a sequence of them (see `substitutions.text_of`)."""
 
+_NOWHERE = Span("")
 
-@dataclass(slots=True)
+# Like those of `launch`, actions are equal to themselves only, and can be hashed.
+
+
+@dataclass(slots=True, eq=False)
 class Action:
     """Base class of all actions."""
 
-    place: Span
+    place: Span = _NOWHERE
     condition: tuple[bool, Text] | None = None
     """The condition's text, and the truth value that it must have."""
     unknown_options: dict[str, str] = field(default_factory=dict, kw_only=True)
     """Names of keyword arguments that the action does not have, each with the likely one (Python launch files only)."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class DeclareArgument(Action):
     """Declaration of an argument; it sets the default if nothing has set the argument."""
 
@@ -33,7 +37,7 @@ class DeclareArgument(Action):
     description: str = ""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class SetConfiguration(Action):
     """Set a variable of the launch file (`let`)."""
 
@@ -41,7 +45,7 @@ class SetConfiguration(Action):
     value: Text = ""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class SetEnvironment(Action):
     """Set a variable of the environment."""
 
@@ -49,7 +53,7 @@ class SetEnvironment(Action):
     value: Text = ""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Group(Action):
     """Actions in a scope of their own."""
 
@@ -58,14 +62,14 @@ class Group(Action):
     configurations: Mapping[str, Text] = field(default_factory=dict)
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class PushNamespace(Action):
     """Put the following nodes into a namespace."""
 
     namespace: Text = ""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class SetRemap(Action):
     """Remap a topic of the following nodes."""
 
@@ -73,7 +77,7 @@ class SetRemap(Action):
     target: Text = ""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class SetParameter(Action):
     """Set a parameter of the following nodes."""
 
@@ -81,14 +85,14 @@ class SetParameter(Action):
     value: Any = None
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class SetParametersFromFile(Action):
     """Give a parameter file to the following nodes."""
 
     path: Text = ""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Include(Action):
     """Start what another launch file describes."""
 
@@ -96,7 +100,7 @@ class Include(Action):
     arguments: list[tuple[Text, Text, Span]] = field(default_factory=list)
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class GivenParameter:
     """A parameter that a launch file gives to a node; its value may be a mapping of more parameters."""
 
@@ -107,7 +111,7 @@ class GivenParameter:
     """True if the value stays a text, even if it looks like a number."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class GivenFile:
     """A parameter file that a launch file gives to a node."""
 
@@ -120,7 +124,7 @@ class GivenFile:
     """Values that replace those of the file, by the name of the parameter; None if nothing rewrites the file."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Remapping:
     """A name of a topic, service or action, and the name that replaces it."""
 
@@ -130,7 +134,7 @@ class Remapping:
     target_place: Span
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class StartNode(Action):
     """Start a node, or load it into a container."""
 
@@ -146,7 +150,7 @@ class StartNode(Action):
     ros_arguments: list[Text] | str = field(default_factory=list)
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class LoadNodes(Action):
     """Start a container, or use one that is there, and load nodes into it."""
 
@@ -154,21 +158,21 @@ class LoadNodes(Action):
     nodes: list[StartNode] = field(default_factory=list)
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Execute(Action):
     """Run a program that is no node of a package."""
 
     command: list[Text] | str = field(default_factory=list)
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Opaque(Action):
     """Actions that a function of a Python launch file returns when it is called with a context."""
 
     function: Callable[[Any], Any] = lambda _: None
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Later(Action):
     """Actions that start when something has happened, such as the end of another program."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.abc import Loader, MetaPathFinder
@@ -12,7 +13,9 @@ from types import ModuleType
 from typing import Any
 
 from check_launch.expansion.launch_context import Packages
-from check_launch.expansion.substitutions import RUN_TIME
+from check_launch.expansion.substitutions import RUN_TIME, UnknownTextError
+
+_MOST_CALLS = 1_000_000
 
 
 class _IgnoredType(type):
@@ -27,8 +30,11 @@ class _IgnoredType(type):
 class Ignored(metaclass=_IgnoredType):
     """An object of a launch file that starts nothing, or that these stand-ins do not know.
 
-    It accepts every use. Its text is known at run time only.
+    It accepts every use. Its text is known at run time only. A loop that waits for it to change ends with an
+    `UnknownTextError`.
     """
+
+    _calls = itertools.count()
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         """Accept everything."""
@@ -40,6 +46,8 @@ class Ignored(metaclass=_IgnoredType):
 
     def __call__(self, *_: Any, **__: Any) -> Ignored:
         """Return the object itself."""
+        if next(Ignored._calls) > _MOST_CALLS:
+            raise UnknownTextError("an object that a loop calls")
         return self
 
     def __getitem__(self, key: Any) -> Ignored:

@@ -19,7 +19,8 @@ from roverlink.generator.diagnostics import Span
 KEY = "ros__parameters"
 _ALIAS = re.compile(r"(?:^|[\s\[{,:-])\*[\w-]", re.MULTILINE)
 """Text that may be an alias of YAML, but not ``/**``."""
-_FLOAT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_FLOAT = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|(?i:inf|infinity|nan))")
+"""Text that is a number for strtod."""
 
 
 class Unknown:
@@ -235,7 +236,7 @@ def typed_node(node: yaml.ScalarNode) -> Any:
 def typed(text: str) -> Any:
     """Return the value of a text as ROS 2 types it without quotation marks."""
     if _FLOAT.fullmatch(text):
-        return float(text) if re.search(r"[.eE]", text) else int(text)
+        return int(text) if text.lstrip("+-").isdigit() else float(text)
     try:
         return yaml.safe_load(text)
     except yaml.YAMLError:

@@ -55,6 +55,37 @@ def derived(stand_in: Any) -> Any:
     return stand_in
 
 
+class _Creating(type):
+    """Type of a class that a call does not create an object of, but a stand-in."""
+
+    _make: Callable[..., Any]
+    _kinds: set[type]
+    """Types of the stand-ins so far."""
+
+    def __call__(cls, *arguments: Any, **options: Any) -> Any:
+        if "_make" not in vars(cls):  # the launch file has derived it
+            return super().__call__(*arguments, **options)
+        stand_in = cls._make(*arguments, **options)
+        cls._kinds.add(type(stand_in))
+        return stand_in
+
+    def __instancecheck__(cls, instance: Any) -> bool:
+        return type(instance) in cls._kinds if "_make" in vars(cls) else super().__instancecheck__(instance)
+
+
+def derivable(name: str, make: Callable[..., Any]) -> type:
+    """Return a class whose call creates a stand-in; an object of a class that is derived from it has a stand-in."""
+
+    def create(self: Any, *arguments: Any, **options: Any) -> None:
+        setattr(self, _ATTRIBUTE, make(*arguments, **options))
+
+    def attribute(self: Any, name: str) -> Any:
+        return getattr(vars(self)[_ATTRIBUTE], name)
+
+    names = {"__init__": create, "__getattr__": attribute, _ATTRIBUTE: None}
+    return _Creating(name, (), {**names, "_make": staticmethod(make), "_kinds": set()})
+
+
 def stand_in_of(value: Any) -> Any:
     """Return a value with the stand-ins in place of the real objects."""
     if hasattr(type(value), _ATTRIBUTE):

@@ -15,7 +15,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, MethodType, ModuleType
 from typing import Any, TypeVar
 
 import yaml
@@ -373,6 +373,7 @@ class StandIns:
                 stand_in.__name__: stand_in
                 for stand_in in (RewrittenYaml, ReplaceString, HasNodeParams, ParseMultiRobotPose)
             },
+            "launch_param_builder": {},
             "moveit_configs_utils": {},
             "moveit_configs_utils.launches": {f"generate_{name}_launch": self._of_moveit for name in _OF_MOVEIT},
             "ament_index_python": found,
@@ -581,7 +582,7 @@ def _words(option: str, words: Any) -> list[Any] | str:
 
 def _actions(values: Iterable[Any]) -> list[Action]:
     found: list[Action] = []
-    for value in values or ():
+    for value in map(real_launch.stand_in_of, values or ()):
         if isinstance(value, Action):
             found.append(value)
         elif isinstance(value, LaunchDescription):
@@ -614,7 +615,10 @@ def _handler(
 
 def _module(name: str, contents: Mapping[str, Any]) -> ModuleType:
     module = ModuleType(name)
-    vars(module).update({name: real_launch.derived(content) for name, content in contents.items()})
+    for attribute, content in contents.items():
+        is_class = name.startswith("launch") and isinstance(content, FunctionType | MethodType)
+        made = real_launch.derivable(attribute, content) if is_class else real_launch.derived(content)
+        vars(module)[attribute] = made
     vars(module)["__getattr__"] = _unknown
     vars(module)["__path__"] = []
     return module
