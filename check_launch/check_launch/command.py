@@ -116,6 +116,8 @@ def run(arguments: argparse.Namespace) -> int:
     missing: list[Path] = []
     files = list(files_to_check(paths, missing.append))
     if missing:
+        if not missing[0].exists():
+            raise SetupError(f"{missing[0]} does not exist")
         raise SetupError(f"{missing[0]}: there is no launch file, and no file with parameters of ROS 2 nodes")
     tops = [*_tops(files), *filter(Path.is_dir, paths)]
     packages = Packages([*arguments.packages, *tops])
