@@ -15,7 +15,7 @@ from typing import Any
 from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.substitutions import RUN_TIME, UnknownTextError
 
-_MOST_CALLS = 1_000_000
+_MOST_CALLS = 1_000_000  # of unknown objects in one process
 
 
 class _IgnoredType(type):

@@ -133,9 +133,8 @@ def extent_of(
     and ``pixel`` the size of a pixel at the rock in metres. Raises `UnmeasurableError` if the rock is low or cut off,
     or if the line does not fit it.
     """
-    plan = np.linalg.svd(ground.normal[None])[2][
-        1:
-    ].T  # gives places as seen from above, from the place below the camera
+    # It gives places as seen from above, from the place below the camera.
+    plan = np.linalg.svd(ground.normal[None])[2][1:].T
     span = float(np.linalg.norm(ends[1] - ends[0]))
     points, shadow, farthest = (
         places @ plan for places in (segment.points, ground.meet(segment.directions), ground.meet(rays))
