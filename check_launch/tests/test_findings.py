@@ -333,9 +333,9 @@ def test_the_three_kinds_of_launch_files_say_the_same(write: Write, tmp_path: Pa
     """One node in YAML, XML and Python has the same parameters, namespace and remappings: the drawings are equal."""
     drawings = set()
     for kind, text in {"yaml": _YAML_NODE.strip(), "xml": _XML_NODE.strip(), "py": _PYTHON_NODE}.items():
-        write({f"a_launch.{kind}": text})
-        assert main(["check-launch", f"a_launch.{kind}", "--graph", "graph.dot"]) == 0
-        drawings.add((tmp_path / "graph.dot").read_text(encoding="utf-8").replace(f"a_launch.{kind}", "a_launch"))
+        write({f"rover.{kind}": text})
+        assert main(["check-launch", f"rover.{kind}", "--graph", "graph.dot"]) == 0
+        drawings.add((tmp_path / "graph.dot").read_text(encoding="utf-8").replace(f"rover.{kind}", "a_launch"))
     (drawing,) = drawings
     assert {"rover/filter", "camera/imu"} <= set(re.findall(r'label="([^"]+)"', drawing))
 
@@ -876,6 +876,8 @@ def test_a_parameter_file_is_checked_alone(write: Write, check: Check) -> None:
     assert check(".") == (0, [])
     (found,) = check(".", "--distribution", "jazzy")[1]
     assert found == "nav2.yaml:3:5: PAR101 it is now 'progress_checker_plugins'"
+    write({"p.yaml": _parameters("ekf_filter_node", "frequncy: 30.0")})
+    assert check("p.yaml")[1] == ["p.yaml:3:5: PAR101 did you mean 'frequency'?"]
 
 
 _RTABMAP_NODE = "  - node: {pkg: rtabmap_slam, exec: rtabmap}\n"

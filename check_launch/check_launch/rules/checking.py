@@ -121,7 +121,7 @@ class Checker:
         """Check launch files with some values of their arguments, and parameter files."""
         checked, paths = Checked(self._catalogue.distribution), list(files)
         sections = Sections(self._catalogue)
-        launch_files = [path for path in paths if path.name.endswith(LAUNCH_ENDINGS)]
+        launch_files = [path for path in paths if _is_launch_file(path)]
         checked.launch_files = {str(path.resolve()) for path in launch_files}
         parameter_files = {shown_path(str(path)): path for path in paths if path not in launch_files}
         self._expander.expect(launch_files, arguments)
@@ -139,11 +139,11 @@ class Checker:
                 if shown not in sections.files:
                     found = ParameterFile(path, shown).sections(_known_text)
                     checked.findings += sections.standalone(found, shown, is_unused=bool(launch_files))
-            except NoParametersError:
-                pass  # a file with another meaning: no launch file gives it to a node
             except UnreadableFileError as error:
                 unreadable = UnreadableLaunchFile.at(error.place, str(error))
-                checked.findings.append(as_hint(unreadable) if launch_files else unreadable)  # perhaps a template
+                # A file that no launch file gives to a node may be a template, or have another meaning.
+                is_certain = not launch_files and not isinstance(error, NoParametersError)
+                checked.findings.append(unreadable if is_certain else as_hint(unreadable))
         # A file for several nodes may serve those of several launch files.
         kept = [one for one in checked.findings if one.span not in checked.used or one.rule not in _OF_ONE_NODE]
         of_others = sections.of_others
@@ -318,6 +318,12 @@ def files_to_check(paths: Iterable[Path], missing: Callable[[Path], None]) -> It
         if not found:
             missing(path)
         yield from found
+
+
+def _is_launch_file(path: Path) -> bool:
+    """Return true for a launch file, whatever its name, among files to check."""
+    is_named = path.name.endswith(LAUNCH_ENDINGS) or is_python(path)
+    return is_named or (not is_parameter_file(path) and is_declarative(path))
 
 
 def _is_checked(path: Path) -> bool:

@@ -154,7 +154,7 @@ class Sections:
         return ParameterView(facts, {given.name: given for given in values}, self._catalogue, is_partial=True)
 
     def _fits(self, values: tuple[GivenValue, ...], facts: NodeClass) -> float:
-        """Return the share of parameters that a node has, or had with another name."""
+        """Return the share of parameters that a node has, had with another name, or would have if spelled rightly."""
         view = self._view(values, facts)
         own = [given.name for given in values if given.name != "use_sim_time"]
         known = [
@@ -163,6 +163,7 @@ class Sections:
             if view.known(name) is not None
             or view.is_open(name)
             or stated_facts().new_name(name, lambda new: view.known(new) is not None)
+            or view.is_misspelt(name)
         ]
         return len(known) / len(own) if own else 0.0
 
