@@ -49,7 +49,7 @@ from roverlink.runtime.core import cdr
 
 _STEP_S, _PERIOD_S = 0.02, 0.01  # of the simulation, and of the computer if the programs are fast enough
 _BEGIN_NS = 10**12
-_LATE_NS, _PATIENCE_S = 200_000_000, 5.0  # an answer is awaited so long: datagrams are lost
+_LATE_NS, _OLD_NS, _PATIENCE_S = 200_000_000, 300_000_000, 5.0  # an answer is awaited so long: datagrams are lost
 _SPEED, _SLOWEST, _TURN = 0.5, 0.2, 0.5
 _BRAKING_S = 0.8
 _NEAR_M = 0.15  # of Nav2's goal checker
@@ -181,8 +181,8 @@ class _MeasuredWorld(_World):
 
     @property
     def pose(self) -> PlanarPose | None:
-        """Newest pose on the field that was estimated."""
-        if not self._poses.values:
+        """Newest pose on the field that was estimated; None if it is old: the fusion has begun again without one."""
+        if self._estimated is None:
             return None
         pose = self._poses.values[-1]["pose"]["pose"]
         place, turn = pose["position"], pose["orientation"]
@@ -190,11 +190,14 @@ class _MeasuredWorld(_World):
 
     @property
     def answered(self) -> int:
-        """Time of the newest pose, too, after the first one."""
-        if not self._poses.values:
-            return super().answered
-        stamp = self._poses.values[-1]["header"]["stamp"]
-        return min(super().answered, 10**9 * stamp["sec"] + stamp["nanosec"])
+        """Time of the newest pose, too, while there is one."""
+        return min(super().answered, self.now if self._estimated is None else self._estimated)
+
+    @property
+    def _estimated(self) -> int | None:
+        stamp = self._poses.values[-1]["header"]["stamp"] if self._poses.values else {"sec": 0, "nanosec": 0}
+        time = 10**9 * stamp["sec"] + stamp["nanosec"]
+        return time if self.now - time < _OLD_NS else None
 
     def tell(self, measured: list[Measurement]) -> None:
         """Send the measurements of the boards, and publish what the camera sees."""
