@@ -41,9 +41,10 @@ def distributions_of(tops: Iterable[Path], packages: Packages) -> tuple[str, ...
     beside, above = Counter[str](), Counter[str]()
     for top in {path.resolve() for path in tops}:
         for path in (path for pattern in _BESIDE for path in top.glob(pattern)):
-            if path.parent == top or path.parent not in folders:
-                is_own = path.parent == top or path.parent not in around
-                (beside if is_own else above).update(_names_in(path))
+            if path.parent == top or path.parent not in folders | around:
+                beside.update(_names_in(path))
+            elif path.parent not in folders:
+                above.update(_names_in(path))
     counts = beside or above
     if len(counts) == 1:
         return tuple(counts)

@@ -312,15 +312,15 @@ _XML_NODE = """
 <remap from="imu/data_raw" to="/camera/imu"/></node></group></launch>
 """
 _PYTHON_NODE = """
-from dataclasses import dataclass
-from launch import LaunchDescription as L
+from dataclasses import dataclass; from launch import LaunchDescription as L
 from launch.actions import *
 from launch.substitutions import LaunchConfiguration as C
 from launch_ros.actions import *
 @dataclass
 class Arguments:
     ns: DeclareLaunchArgument = DeclareLaunchArgument('ns', default_value='rover')
-class Robot(GroupAction): pass
+class Robot(GroupAction):
+    def __init__(self, own): super().__init__(own if isinstance(self, GroupAction) and not hasattr(self, 'x') else [])
 def generate_launch_description():
     return L([Arguments.ns, Robot([PushRosNamespace(C('ns')),
         Node(package='imu_filter_madgwick', executable='imu_filter_madgwick_node', name='filter',

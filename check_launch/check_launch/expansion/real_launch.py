@@ -2,7 +2,8 @@
 
 A launch file gets a subclass of each class that has a stand-in. Its constructor calls the real one, which refuses what
 ROS 2 refuses, and creates the stand-in from the same arguments. So the check goes on with the stand-ins, which have
-places and do not need the values of all arguments. Everything else in the packages is the real thing.
+places and do not need the values of all arguments. Everything else in the packages is the real thing. Where the
+packages are not installed, a launch file can derive classes from the stand-ins.
 """
 
 from __future__ import annotations
@@ -70,7 +71,7 @@ class _Creating(type):
         return stand_in
 
     def __instancecheck__(cls, instance: Any) -> bool:
-        return type(instance) in cls._kinds if "_make" in vars(cls) else super().__instancecheck__(instance)
+        return super().__instancecheck__(instance) or type(instance) in vars(cls).get("_kinds", ())
 
 
 def derivable(name: str, make: Callable[..., Any]) -> type:
@@ -80,7 +81,7 @@ def derivable(name: str, make: Callable[..., Any]) -> type:
         setattr(self, _ATTRIBUTE, make(*arguments, **options))
 
     def attribute(self: Any, name: str) -> Any:
-        return getattr(vars(self)[_ATTRIBUTE], name)
+        return getattr(getattr(self, _ATTRIBUTE), name)
 
     names = {"__init__": create, "__getattr__": attribute, _ATTRIBUTE: None}
     return _Creating(name, (), {**names, "_make": staticmethod(make), "_kinds": set()})
