@@ -133,7 +133,7 @@ $(VENV)/bin/python:
 $(VENV)/ready-standard: PACKAGES = '.[standard]'
 $(VENV)/ready-standard: SIZE = 200
 $(VENV)/ready-demo: PACKAGES = '.[standard]' './rover[detect,video]'
-$(VENV)/ready-demo: SIZE = 750
+$(VENV)/ready-demo: SIZE = 650
 $(VENV)/ready-dev: PACKAGES = '.[dev]' './rover[vision]' ./check_launch
 $(VENV)/ready-dev: SIZE = 550
 $(VENV)/ready-full: PACKAGES = '.[full]' './rover[train,fusion,video]' ./check_launch

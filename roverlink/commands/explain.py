@@ -131,7 +131,7 @@ def _explain_row(arguments: argparse.Namespace, rules: list[str]) -> int:
         raise SetupError(f"unknown rule {what!r} ({hint}), and no rows to look up: {table} does not exist")
     hint = nearest(what, [*project.known(), *rules, *(path.rpartition(".")[2] for path in _keys())])
     raise SetupError(
-        f"{what!r} is neither a row or key of {table} nor a rule ({hint}); `roverlink explain` lists the rules"
+        f"{what!r} is neither a row or key of {table} nor a rule ({hint}); `roverlink explain` lists installed rules"
     )
 
 

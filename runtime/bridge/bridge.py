@@ -114,7 +114,10 @@ class Bridge:
         self._logger, self._clock = logger, clock
         self._board_clocks = BoardClocks(registry, clock)
         self._socket = udp.bind(
-            parameters.listen_address, parameters.listen_port, parameters.receive_buffer, "parameter listen_port"
+            parameters.listen_address,
+            parameters.listen_port,
+            parameters.receive_buffer,
+            "--ros-args -p listen_port:=PORT",
         )
         self._counters = Counters(self._socket, logger)
         self._account = self._counters.account

@@ -193,15 +193,22 @@ class FieldNumberVanished(LintRule, id="ENV103"):
                 f"field {entry.number} was published as {entry.name!r} ({entry.proto}), but is missing in {table.file}"
             )
             entry_text = f"{{number: {entry.number}, name: {entry.name}, proto: {entry.proto}}}"
-            back = f"`signing: {{number: {entry.number}}}`" if entry.proto == "bytes" else "the row"
-            help = f"put {back} back, or add to `retired`: - {entry_text}"
+            moved = [row for row in table.members if row.proto == entry.proto]
+            unpublished = [row.name for row in moved if (row.number, row.proto) not in published]
+            if entry.proto == "bytes":
+                back = f"put `signing: {{number: {entry.number}}}` back"
+            elif unpublished:
+                back = f"give {unpublished[0]!r} the number {entry.number} again"
+            else:
+                back = "put the row back"
+            help = f"{back}, or add to `retired`: - {entry_text}"
             of_ledger = entry in context.ledger.entries
             span = entry.span if of_ledger else Span(table.file)  # an earlier state cannot be edited
             also = [] if of_ledger else [(entry.span, "published here")]
-            moved = [row.at("number") for row in table.members if row.proto == entry.proto]
             if of_ledger and moved:
                 help += f"; if no program has used {entry.number} yet, restore the earlier {NAME}"
-            yield cls.at(span, message, help, also, type=table.envelope.message, number=entry.number, rests_on=moved)
+            rests_on = [row.at("number") for row in moved]
+            yield cls.at(span, message, help, also, type=table.envelope.message, number=entry.number, rests_on=rests_on)
 
 
 class FieldNumberOutOfRange(LintRule, id="ENV104"):
