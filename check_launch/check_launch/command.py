@@ -24,7 +24,7 @@ import argparse
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, read_catalogue
+from check_launch.catalogue.catalogue_files import DISTRIBUTIONS, NO_CATALOGUE, read_catalogue
 from check_launch.distributions import checked_for, distributions_of
 from check_launch.expansion.child_process import DEFAULT_LIMITS, Limits
 from check_launch.expansion.launch_context import Packages
@@ -125,7 +125,8 @@ def run(arguments: argparse.Namespace) -> int:
     limits = Limits(seconds=arguments.time_limit)
 
     def check(distribution: str) -> Checked:
-        catalogue = with_workspace(read_catalogue(distribution), packages, arguments.catalogue)
+        known = read_catalogue(distribution) if distribution else NO_CATALOGUE
+        catalogue = with_workspace(known, packages, arguments.catalogue)
         catalogue = with_own_programs(catalogue, _table_file(paths))
         return Checker(catalogue, packages, arguments.complete, limits).check(files, values)
 

@@ -13,12 +13,13 @@ from pathlib import Path
 from check_launch.catalogue.catalogue_files import DISTRIBUTIONS
 from check_launch.expansion.launch_context import Packages
 from check_launch.rules.checking import Checked
-from check_launch.rules.launch_rules import as_warning
-from check_launch.rules.stated_facts import stated_facts
+from check_launch.rules.launch_rules import OldName, as_hint, as_warning
 from roverlink import bounded_files
 from roverlink.generator.diagnostics import Diagnostic, Severity, Span
 
-_OTHERS = ("kinetic", "melodic", "noetic", "dashing", "eloquent", "foxy", "galactic", "iron", "lyrical", "rolling")
+_OLDER = frozenset({"kinetic", "melodic", "noetic", "dashing", "eloquent", "foxy", "galactic"})
+"""Distributions before those that have a catalogue; the first three are of ROS 1."""
+_OTHERS = (*sorted(_OLDER), "iron", "lyrical", "rolling")
 _NAMED = re.compile(rf"\bros[ _-]?2?(?:[_-]distro\w*)?\W{{1,4}}({'|'.join((*DISTRIBUTIONS, *_OTHERS))})\b".encode())
 """`ROS 2 Humble`, `/opt/ros/humble`, `ros:humble`, `ros-humble-nav2-bringup`, `ROS_DISTRO=humble`."""
 _BESIDE = ("*", "*/*", ".devcontainer/*", ".github/workflows/*")
@@ -62,7 +63,8 @@ def checked_for(distributions: Sequence[str], check: Callable[[str], Checked]) -
     """Check for the distribution that refuses the least, and say which of its findings others do not have.
 
     ``distributions`` are those that a workspace may be for, the likeliest first, and ``check`` checks for one that has
-    a catalogue. What is an error in one distribution only is no certain error.
+    a catalogue, or without any catalogue for an empty name. What is an error in one distribution only is no certain
+    error. What follows from the workspace alone is one in each distribution.
     """
     first, *rest = [name for name in distributions if name in DISTRIBUTIONS] or DISTRIBUTIONS[:1]
     checked = {first: check(first)}
@@ -73,7 +75,12 @@ def checked_for(distributions: Sequence[str], check: Callable[[str], Checked]) -
     others = {name: _keys(checked[name]) if name in checked else None for name in (*checked, *distributions)}
     others.pop(best)
     found = checked[best]
-    found.findings = [_compared(finding, best, others) for finding in found.findings]
+    findings = check("").findings if None in others.values() else []
+    own = {_key(finding)[:2] for finding in findings if finding.severity in _COMPARED}
+    found.findings = [
+        finding if _key(finding)[:2] in own and not isinstance(finding, OldName) else _compared(finding, best, others)
+        for finding in found.findings
+    ]
     return found
 
 
@@ -83,12 +90,12 @@ def _compared(finding: Diagnostic, first: str, others: Mapping[str, Set[_Key] | 
         for name, keys in others.items()
         if keys is None or _key(finding) not in keys
     ]
-    facts = stated_facts()
-    if others and any(f"'{old}'" in finding.message for old in (*facts.renamed_options, *facts.renamed_plugins)):
+    if others and isinstance(finding, OldName):
         parts.append("right in older distributions")
     if finding.severity not in _COMPARED or not parts:
         return finding
-    return as_warning(replace(finding, message=f"{finding.message} (in {first}; {', '.join(parts)})"))
+    lowered = as_hint if _OLDER & set(others) else as_warning
+    return lowered(replace(finding, message=f"{finding.message} (in {first}; {', '.join(parts)})"))
 
 
 def _key(finding: Diagnostic) -> _Key:

@@ -441,10 +441,10 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
             "ros__parameters:\n  ekf: {frequency: 30.0}\n",
         )
     },
-    "too few values, which the node ignores and refuses": (
+    "too few values, which the node ignores, or takes for what they are": (
         "",
         _parameters("ekf_filter_node", "odom0: /odom", "initial_state: [0.0]", "odom0_config: [true, false]"),
-        ["warning PAR108", "error PAR108"],
+        ["warning PAR108", "warning PAR108"],
     ),
     "inputs that a multiplexer refuses": (
         _node("twist_mux", "twist_mux"),
@@ -455,6 +455,28 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _node("controller_manager", "ros2_control_node"),
         _parameters("controller_manager", "drive: {type: diff_drive_controller/DiffDriveController, update_rate: 5}"),
         ["warning PAR102 it belongs to the section 'drive'"],
+    ),
+    **{
+        f"texts of a file that are replaced if a condition is {held}": (
+            "from launch.conditions import IfCondition\nfrom nav2_common.launch import ReplaceString\n"
+            + _ACTIONS
+            % "Node(package='robot_localization', executable='ekf_node', name='ekf', parameters="
+            f"[ReplaceString('p.yaml', {{'<rate>': 'frequency'}}, IfCondition('{held}'))])",
+            _parameters("ekf", "<rate>: 30.0"),
+            expected,
+        )
+        for held, expected in (("true", []), ("false", ["warning PAR101"]))
+    },
+    "a program that lost its ending after Foxy": (
+        _node("controller_manager", "spawner.py", param=""),
+        "",
+        ["warning LCH108 did you mean 'spawner'?"],
+    ),
+    "a fixed transform beside a node without scans": (
+        _node("nav2_amcl", "amcl", param="")
+        + _node("tf2_ros", "static_transform_publisher", param="", args="--frame-id map --child-frame-id odom"),
+        "",
+        ["hint FRM101"],
     ),
     "a plugin without a type": ("", _COSTMAP_OF + "{plugins: [static]}\n", ["error PLG101 set 'static.plugin'"]),
     "a polygon without a type, and a circle without a radius": (
@@ -530,6 +552,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
             "Node(package='a', executable='b', arguments=[0])",
             "[Node(package='a', executable='b')]",
             "Node(package='a', executable='b', package='c')",
+            "type('Ignored', (), {})() + 1",
         )
     },
     "a condition that Python has compared": (
@@ -753,12 +776,12 @@ def test_what_only_some_distributions_refuse_is_a_warning(write: Write, capsys: 
     for text, parameters, level, end in (
         ("", either, "warning", "(in humble; not in jazzy, not in kilted)"),
         ("", amcl, "warning", "(in humble; right in older distributions)"),
-        ("# ROS 2 Foxy, not Humble", planner, "warning", "(in humble; there is no catalogue of foxy)"),
+        ("# ROS 2 Foxy, not Humble", planner, "hint", "(in humble; there is no catalogue of foxy)"),
         ("FROM ros:humble-ros-base", planner, "error", "for 'planner_plugins'"),
         ("FROM ros:humble-ros-base", amcl, "error", "for 'robot_model_type'"),
     ):
         write({"p.yaml": parameters, "docker/Dockerfile": text})
-        assert main(["check-launch", "p.yaml"]) == 1
+        assert main(["check-launch", "p.yaml"]) == (level != "hint")
         assert re.search(f"{level}\\[PLG101\\].*{re.escape(end)}\n", capsys.readouterr().out)
 
 

@@ -10,7 +10,9 @@ import pytest
 from roverlink.__main__ import main
 
 _FILES = {
-    "src/arm/package.xml": "<package><name>arm</name><version>1.0.0</version></package>",
+    "README.md": "ROS 2 Foxy",
+    "src/arm/package.xml": "<package><name>arm</name><build_type>ament_python</build_type></package>",
+    "src/arm/CMakeLists.txt": "add_executable(drivr src/drivr.cpp)",
     "src/arm/setup.py": "setup(entry_points={'console_scripts': "
     "['driver = ' 'arm.driver:main', 'other = arm.other:main']})",
     "src/arm/arm/__init__.py": "",
@@ -70,7 +72,8 @@ int main() {
 """,
     "src/cart/package.xml": "<package><name>cart</name><version>1.0.0</version></package>",
     "src/cart/CMakeLists.txt": "project(cart)\nadd_executable(wheels src/wheels.cpp)\n"
-    "rover_program(brake src/brake.cpp)\n",
+    "rover_program(brake src/brake.cpp)\ninclude(cmake/horn.cmake)\n",
+    "src/cart/cmake/horn.cmake": "ADD_EXECUTABLE(horn src/horn.cpp)\n",
     "src/cart/src/wheels.cpp": """
 namespace base {
 class Rim : Tyre {};
@@ -98,7 +101,7 @@ def generate_launch_description():
         Node(package='arm', executable='other', parameters=[{'anything': 5.0}, {'a', 'b'}]),
         Node(package='base', executable='wheels', parameters=[{'radius': 5.0}, {'radus': 0.2}, {'width': 1}]),
         Node(package='cart', executable='wheels', parameters=[{'spoke': 5.0}, {'radius': 0.2}, {'hub': 1}]),
-        Node(package='cart', executable='brake'),
+        Node(package='cart', executable='brake'), Node(package='cart', executable='horn'),
         Node(package='nav2_amcl', executable='amcl', name='amcl'),
     ])
 """,

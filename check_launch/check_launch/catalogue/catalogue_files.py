@@ -32,6 +32,10 @@ _NOT_STORED = ("name", "other_texts", "build_words")
 """The name is the key of the facts; the others are of workspaces only."""
 
 
+NO_CATALOGUE = Catalogue("", {}, {}, {}, {}, {})
+"""Facts about no package."""
+
+
 def file_of(distribution: str) -> Path:
     """Return the path of the catalogue of a distribution."""
     return _FOLDER / f"{distribution}.json"

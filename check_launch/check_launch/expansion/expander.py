@@ -64,6 +64,7 @@ from check_launch.rules.launch_rules import (
     InvalidName,
     MissingFile,
     NotExpanded,
+    OldName,
     UndeclaredArgument,
     UnknownAction,
     UnreadableLaunchFile,
@@ -281,10 +282,12 @@ class Expander:
             self._python[path] = PythonFile(Path(path), self.shown(path), self._packages, self.environment)
         return self._python[path]
 
-    def sections(self, path: str, text_of: Callable[[str], str | None] | None, of_component: bool) -> list[Section]:
+    def sections(
+        self, path: str, shown: str, text_of: Callable[[str], str | None] | None, of_component: bool
+    ) -> list[Section]:
         """Return the sections of a parameter file (see `ParameterFile.sections`). Raises `UnreadableFileError`."""
         if path not in self._parameter_files:
-            self._parameter_files[path] = ParameterFile(Path(path), self.shown(path))
+            self._parameter_files[path] = ParameterFile(Path(path), shown)
         return self._parameter_files[path].sections(text_of, of_component)
 
     def refused(self, path: str) -> tuple[str, Span] | None:
@@ -381,7 +384,9 @@ class _Run:
         for action in actions:
             self.context.place = action.place
             for option, near in action.unknown_options.items():
-                self._report(UnknownAction, action.place, f"the action has no option '{option}'", did_you_mean(near))
+                finding = UnknownAction.at(action.place, f"the action has no option '{option}'", did_you_mean(near))
+                is_old = option in stated_facts().renamed_options
+                self.result.findings.append(OldName.of(finding) if is_old else finding)
             if self._holds(action):
                 self._one(action)
             elif isinstance(action, Include | Group | Opaque):
@@ -714,7 +719,7 @@ class _Run:
             if missing[0] not in self._expander.known:
                 self.result.skipped.setdefault(missing[0], given.place)
             return None
-        shown = self._expander.shown(path)
+        shown = self._expander.shown(self.context.sources.get(path, path))
         if self._is_elsewhere(path):
             self._report(NotExpanded, given.place, f"'{path}' is a file of the robot; its parameters are not checked")
             return None
@@ -732,12 +737,14 @@ class _Run:
             return None
         try:
             text_of = self._file_text if given.has_substitutions else None
-            sections = self._expander.sections(path, text_of, of_component)
+            sections = self._expander.sections(path, shown, text_of, of_component)
         except UnreadableFileError as error:
             place = error.place if error.place.line else given.place
             self._report(UnreadableLaunchFile, place, str(error) if error.place.line else f"{shown}: {error}")
             return None
-        if self.context.packages.is_temporary(path):  # made by the launch file, and with another name each time
+        if (
+            self.context.packages.is_temporary(path) and path not in self.context.sources
+        ):  # made by the launch file, and with another name each time
             shown, sections = self._expander.shown(self._path), [section.at(given.place) for section in sections]
         refused = self._expander.refused(path)
         if refused and given.rewrites is None and not of_component:
@@ -798,7 +805,7 @@ def _arguments_in(text: Any, is_condition: bool) -> Iterator[tuple[str, str | No
             if isinstance(side, LaunchConfiguration) and isinstance(side.variable_name, str):
                 yield side.variable_name, other if isinstance(other, str) else None
     else:
-        for name in ("left", "right", "value", "condition"):
+        for name in ("left", "right", "value", "condition", "expression"):
             if hasattr(text, name):
                 yield from _arguments_in(getattr(text, name), True)
 

@@ -169,6 +169,8 @@ class Context:
     undeclared: list[tuple[str, Span]] = field(default_factory=list)
     """Arguments that are used, and that no launch file declares, each with the place of its use."""
 
+    sources: dict[str, str] = field(default_factory=dict)
+    """Files in which texts were replaced, by the temporary files with the result."""
     absent: dict[str, Span] = field(default_factory=dict)
     """Packages whose share folders are used, and that are not there, with the places of their use."""
 

@@ -81,6 +81,9 @@ class Ignored(metaclass=_IgnoredType):
     __rtruediv__ = __truediv__
 
 
+Ignored.__name__ = RUN_TIME  # for the messages of Python; no class of a launch file can have this name
+
+
 class _Description:
     """A robot description that xacro would make: a file of XML, of which nothing else is known."""
 

@@ -166,8 +166,6 @@ class PythonFile:
             return f"the environment has no variable {self._environment.missing[0]}"
         if isinstance(error, AttributeError) and type(error.obj).__module__.startswith("check_launch."):
             return "the stand-in of this object does not have it"
-        if isinstance(error, TypeError) and Ignored.__name__ in str(error):
-            return "an object is not known"
         if isinstance(error, ImportError) and not self._packages.holds(error.path or ""):
             return f"perhaps another '{error.name}' is installed where ROS 2 is"
         if isinstance(error, EOFError) or self._reads_command_line:

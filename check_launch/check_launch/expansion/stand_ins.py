@@ -12,8 +12,10 @@ import ast
 import itertools
 import os
 import sys
+import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
 from pathlib import Path
 from types import FunctionType, MethodType, ModuleType
 from typing import Any, TypeVar
@@ -166,11 +168,23 @@ class RewrittenYaml(Substitution):
 class ReplaceString(Substitution):
     """A file in which nav2_common replaces texts."""
 
-    def __init__(self, source_file: Any, replacements: Any = None, condition: Any = None) -> None:
-        self.source_file = source_file
+    def __init__(self, source_file: Any, replacements: Mapping[str, Any] | None = None, condition: Any = None) -> None:
+        self.source_file, self.replacements, self.condition = source_file, replacements or {}, condition
 
-    def perform(self, context: substitutions.Surroundings) -> str:
-        return text_of(self.source_file, context)
+    def perform(self, context: Any) -> str:
+        source = context.packages.existing(text_of(self.source_file, context), os.path.dirname(context.file))
+        if self.condition is not None and not self.condition.evaluate(context):
+            return source
+        try:
+            text = bounded_files.read_text(source)
+        except OSError:
+            return source  # whoever reads it says why
+        for old, new in self.replacements.items():
+            text = text.replace(old, text_of(new, context))
+        path = Path(tempfile.gettempdir(), f"{sha256(os.fsencode(source) + text.encode()).hexdigest()}.yaml")
+        path.write_text(text, encoding="utf-8")
+        context.sources[str(path)] = source
+        return str(path)
 
     def stored(self) -> Any:
         return substitutions.stored_text(self.source_file)

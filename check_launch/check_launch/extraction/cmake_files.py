@@ -47,21 +47,22 @@ class Built:
     """Words in the text of the files."""
 
 
-def built_by(folder: Path, classes: Mapping[str, ClassFacts], is_cmake: bool) -> Built:
+def built_by(folder: Path, classes: Mapping[str, ClassFacts], build_type: str) -> Built:
     """Return what the build of the package in a folder makes.
 
-    ``classes`` are the classes of the package, to find the one that a program's main function uses. ``is_cmake`` says
-    that CMake builds the package, so that nothing runs its setup.py.
+    ``classes`` are the classes of the package, to find the one that a program's main function uses. ``build_type`` is
+    that of its manifest, or empty: nothing runs the setup.py of an ament_cmake package, or the CMakeLists.txt of an
+    ament_python one.
     """
     bases = {_short(name): {*map(_short, facts.bases)} for name, facts in classes.items()}
     nodes = {name for name, of in bases.items() if any(base.endswith("Node") for base in of)}
     while more := {name for name, of in bases.items() if of & nodes} - nodes:
         nodes |= more
     reader = _Build(folder, {_short(name): name for name in classes}, nodes)
-    for path in sorted(folder.rglob("CMakeLists.txt")):
+    for path in sorted(folder.rglob("CMakeLists.txt")) if build_type != "ament_python" else ():
         if not {"test", "benchmark"} & set(path.relative_to(folder).parts):
             reader.read(path)
-    for name in ("setup.cfg",) if is_cmake else ("setup.py", "setup.cfg"):
+    for name in ("setup.cfg",) if build_type == "ament_cmake" else ("setup.py", "setup.cfg"):
         if (folder / name).is_file():
             reader.read_entry_points((folder / name).read_text(encoding="utf-8", errors="replace"), name)
     is_other = not any((folder / name).is_file() for name in ("CMakeLists.txt", "setup.py"))
@@ -87,9 +88,13 @@ class _Build:
         self.names: dict[str, str] = {}
         self.is_partial = False
         self.words: set[str] = set()
+        self._read: set[Path] = set()
 
     def read(self, path: Path) -> None:
-        variables = {"PROJECT_NAME": self._folder.name}
+        """Add what a CMakeLists.txt builds, with the files of the package that it includes."""
+        self._read_part(path, path.parent, {"PROJECT_NAME": self._folder.name})
+
+    def _read_part(self, path: Path, folder: Path, variables: dict[str, str]) -> None:
         text = _COMMENT.sub("", path.read_text(encoding="utf-8", errors="replace"))
         self.words |= set(_NAME.findall(text))
         for function, words in _calls(text, variables):
@@ -99,8 +104,10 @@ class _Build:
                 variables[words[0]] = words[1]
             elif function == "project" and words:
                 variables["PROJECT_NAME"] = words[0]
+            elif function == "include" and words:
+                self._include(words[0], folder, variables)
             elif function in _BUILDING and "IMPORTED" not in words and words:
-                self.programs[words[0]] = BuiltProgram(words[0], self._class_of(path.parent, words[1:]))
+                self.programs[words[0]] = BuiltProgram(words[0], self._class_of(folder, words[1:]))
             elif function == "set_target_properties" and "OUTPUT_NAME" in words:
                 self.names[words[0]] = words[words.index("OUTPUT_NAME") + 1]
             elif function == "rclcpp_components_register_nodes":
@@ -112,7 +119,15 @@ class _Build:
                     name = words[words.index("EXECUTABLE") + 1]
                     self.programs[name] = BuiltProgram(name, class_name)
             elif function == "install" and words:
-                self._installed(path.parent, words)
+                self._installed(folder, words)
+
+    def _include(self, name: str, folder: Path, variables: dict[str, str]) -> None:
+        """Read an included file, wherever in the package it is: CMAKE_MODULE_PATH, or a path, says where."""
+        found = sorted(self._folder.rglob(f"{Path(name).name.removesuffix('.cmake')}.cmake"))
+        self.is_partial |= not found and name.endswith(".cmake")
+        for path in [path for path in found if path not in self._read]:
+            self._read.add(path)
+            self._read_part(path, folder, variables)
 
     def read_entry_points(self, text: str, name: str) -> None:
         """Add the programs of a setup.py or setup.cfg."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from check_launch.catalogue.facts import Source
 
-SUFFIXES = frozenset({".cpp", ".cc", ".hpp", ".h", ".py", ".cfg", ".txt", ".xml", ".yaml", ".yml"})
+SUFFIXES = frozenset({".cpp", ".cc", ".hpp", ".h", ".py", ".cmake", ".cfg", ".txt", ".xml", ".yaml", ".yml"})
 
 
 def exported(repository: Path, name: str, ref: str, folder: Path, suffixes: Collection[str] = SUFFIXES) -> Source:

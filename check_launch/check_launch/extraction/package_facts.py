@@ -15,6 +15,7 @@ from check_launch.extraction.plugin_descriptions import plugins_of_package
 from check_launch.extraction.python_nodes import python_nodes
 from check_launch.extraction.source_texts import texts_of_sources
 
+_BUILD_TYPE = re.compile(r"<build_type>\s*(\w+)\s*</build_type>")
 _VERSION = re.compile(r"<version>\s*([\w.-]+)\s*</version>")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
@@ -77,7 +78,8 @@ def read_package(folder: Path) -> PackageFacts:
     manifest = _COMMENT.sub("", (folder / "package.xml").read_text(encoding="utf-8", errors="replace"))
     version = _VERSION.search(manifest)
     classes, python = facts_of_package(folder), python_nodes(folder)
-    built = built_by(folder, classes, "<build_type>ament_cmake</build_type>" in manifest)
+    build_type = _BUILD_TYPE.search(manifest)
+    built = built_by(folder, classes, build_type[1] if build_type else "")
     programs = {
         program.name: python.of_module.get(program.module, "") if program.module else program.class_name
         for program in built.programs

@@ -42,18 +42,22 @@ def with_workspace(catalogue: Catalogue, packages: Packages, file: Path | None =
         for name, package in own.packages.items()
         if len(packages.copies[name]) > 1
     }
-    names = {plugin.class_name for plugin in own.plugins.values()}
-    names |= {
-        name
-        for package in own.packages.values()
-        for name in (*package.executables.values(), *package.components.values())
-    }
+    owners = {plugin.class_name: plugin.package for plugin in own.plugins.values()}
+    for name, package in own.packages.items():
+        owners |= dict.fromkeys((*package.executables.values(), *package.components.values()), name)
     return replace(
         catalogue,
         sources={**catalogue.sources, **own.sources},
         packages={**catalogue.packages, **own.packages, **several},
         # Not the classes that the supplement names, and that this workspace does not have.
-        classes={**catalogue.classes, **{name: facts for name, facts in own.classes.items() if name in names}},
+        classes={
+            **catalogue.classes,
+            **{
+                name: replace(facts, is_partial=facts.is_partial or owners[name] in several)
+                for name, facts in own.classes.items()
+                if name in owners
+            },
+        },
         plugins={**catalogue.plugins, **own.plugins},
     )
 

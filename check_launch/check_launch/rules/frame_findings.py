@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 
 from check_launch.misspellings import did_you_mean, misspelt
-from check_launch.rules.launch_rules import FrameFromOutside, FramePublishedTwice, FrameWithoutTransform, as_warning
+from check_launch.rules.launch_rules import (
+    FrameFromOutside,
+    FramePublishedTwice,
+    FrameWithoutTransform,
+    as_hint,
+    as_warning,
+)
 from check_launch.rules.system import RunningNode, System, of_nodes
 from roverlink.generator.diagnostics import Diagnostic
 
@@ -16,11 +22,15 @@ def frame_findings(system: System, complete: bool, is_varied: bool) -> Iterator[
     ``complete`` says that the launch files start everything, ``is_varied`` that one argument does not have its default.
     """
     is_closed = complete and not system.has_unknown
+    published = {end.topic for node in system.nodes for end in node.connections if end.endpoint.kind == "publisher"}
     for tree in sorted({node.tree for node in system.nodes}):
-        yield from _of_tree([node for node in system.nodes if node.tree == tree], is_closed, is_varied)
+        nodes = [node for node in system.nodes if node.tree == tree]
+        yield from _of_tree(nodes, published, is_closed, is_varied)
 
 
-def _of_tree(nodes: list[RunningNode], is_closed: bool, is_varied: bool) -> Iterator[Diagnostic]:
+def _of_tree(
+    nodes: list[RunningNode], published: Set[str | None], is_closed: bool, is_varied: bool
+) -> Iterator[Diagnostic]:
     publishers: dict[str, list[tuple[str, RunningNode]]] = {}
     frames: set[str] = set()
     for node in nodes:
@@ -42,7 +52,10 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool, is_varied: bool) -> Iter
                 "let only one of them publish it, such as with the parameter publish_tf",
                 also=[(first.started.place, f"{first.name} publishes it")],
             )
-            yield of_nodes(finding, first, other)
+            # Without its data, such as scans, a node sends no transform, and somebody may have put a fixed one there.
+            is_fixed = first.is_static_transform or other.is_static_transform
+            has_data = _has_data(first, published) and _has_data(other, published)
+            yield as_hint(finding) if is_fixed and not has_data else of_nodes(finding, first, other)
     roots = {frame: _root(frame, publishers) for frame in frames}
     for node in nodes:
         looked_up = [(frame, place) for frame, place in node.frames if frame]
@@ -61,6 +74,12 @@ def _of_tree(nodes: list[RunningNode], is_closed: bool, is_varied: bool) -> Iter
             names = " and ".join(f"'{frame}'" for frame, _ in known)
             message = f"{node.name} looks up {names}, but no transforms connect them"
             yield of_nodes(FrameWithoutTransform.at(known[0][1], message), node)
+
+
+def _has_data(node: RunningNode, published: Set[str | None]) -> bool:
+    """Return true if known nodes publish the topics that a node needs, apart from those that are sent once."""
+    needed = (end for end in node.connections if end.is_needed and end.durability != "transient_local")
+    return all(end.topic in published for end in needed)
 
 
 def _root(frame: str, publishers: dict[str, list[tuple[str, RunningNode]]]) -> str:

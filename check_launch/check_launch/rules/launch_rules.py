@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 
 from roverlink.generator.diagnostics import Diagnostic, Rule, Severity, rules_in
 
@@ -526,6 +526,16 @@ class FrameFromOutside(Rule, id="FRM103", severity=Severity.HINT):
 
         $ roverlink check-launch --complete launch/slam_launch.yaml
     """
+
+
+@dataclass(frozen=True, slots=True)
+class OldName(Diagnostic):
+    """A finding about a name that was right in older distributions."""
+
+    @classmethod
+    def of(cls, finding: Diagnostic) -> OldName:
+        """Return a finding with this mark, which `as_hint` and `as_warning` keep."""
+        return cls(**{part.name: getattr(finding, part.name) for part in fields(finding)})
 
 
 def as_hint(finding: Diagnostic) -> Diagnostic:

@@ -46,7 +46,7 @@ def _of_length(given: GivenValue, view: ParameterView) -> Iterator[Diagnostic]:
         wanted = " or ".join(map(str, lengths))
         values = counted(len(given.value), "value")
         finding = WrongLength.at(given.place, f"'{given.name}' has {values}; it must have {wanted}")
-        yield as_warning(finding) if given.name in stated_facts().tolerated else finding
+        yield as_warning(finding) if stated_facts().tolerates(given.name) else finding
 
 
 def _of_polygons(view: ParameterView) -> Iterator[Diagnostic]:
@@ -114,7 +114,7 @@ def _of_built_in_plugins(view: ParameterView) -> Iterator[Diagnostic]:
 def node_findings(system: System) -> Iterator[Diagnostic]:
     """Yield findings about arguments of programs, and about nodes that a lifecycle manager waits for."""
     for node in system.nodes:
-        if node.started.package == "tf2_ros" and node.started.executable == "static_transform_publisher":
+        if node.is_static_transform:
             yield from _of_static_transform(node)
         if node.facts is not None and node.facts.name == "nav2_lifecycle_manager::LifecycleManager":
             yield from _of_lifecycle(node, system, node.view.catalogue.distribution if node.view else "")

@@ -19,6 +19,7 @@ from check_launch.misspellings import (
 from check_launch.rules.known_parameters import LoadedPlugin, ParameterView
 from check_launch.rules.launch_rules import (
     MisplacedParameter,
+    OldName,
     OneAxis,
     OutOfRange,
     PluginOfUnknownPackage,
@@ -247,7 +248,7 @@ def _wrong_value(given: GivenValue, parameter: Parameter) -> Iterator[Diagnostic
 def _outside(given: GivenValue, message: str, help: str = "") -> Diagnostic:
     """Return an error, or a warning if the node takes another value and starts."""
     finding = OutOfRange.at(given.place, message, help)
-    return as_warning(finding) if given.name.rpartition(".")[2] in stated_facts().tolerated else finding
+    return as_warning(finding) if stated_facts().tolerates(given.name.rpartition(".")[2]) else finding
 
 
 def _limits(low: float | None, high: float | None) -> str:
@@ -348,17 +349,19 @@ def _unknown_plugin(plugin: LoadedPlugin, at: Span, catalogue: Catalogue) -> Dia
     }
     message = f"unknown plugin '{type_}' for '{plugin.slot.parameter}'"
     if (new := stated_facts().renamed_plugins.get(type_, "")) in fitting:
-        return UnknownPlugin.at(at, message, f"it is now '{new}'")
+        return OldName.of(UnknownPlugin.at(at, message, f"it is now '{new}'"))
     spelled = {re.sub("::|/", "/", name): name for name in fitting}
     if same := spelled.get(re.sub("::|/", "/", type_)):
         return UnknownPlugin.at(at, message, did_you_mean(same))
     package = re.split(r"::|/", type_)[0]
+    owner = catalogue.packages.get(package)
+    is_known = owner is not None and not owner.is_partial
     if likely := sorted(name for name in (*fitting, *short) if is_misspelling(type_, name)):
         finding = UnknownPlugin.at(at, message, did_you_mean(likely))
-        return finding if package in catalogue.packages or package == type_ else as_warning(finding)
+        return finding if is_known or package == type_ else as_warning(finding)
     if longer := sorted(name for name in short if type_ and name.startswith(type_)):  # without its ending, `Critic`
         return UnknownPlugin.at(at, message, did_you_mean(longer))
-    if package in catalogue.packages or (package == type_ and not plugin.slot.spellings):
+    if is_known or (package == type_ and not plugin.slot.spellings):
         near = all_nearest(type_, [*fitting, *short], 0.7)
         return UnknownPlugin.at(at, message, did_you_mean(near, f"plugins of this kind: {', '.join(sorted(fitting))}"))
     message = f"the plugin '{type_}' is of a package that is not in the catalogue; its parameters are not checked"

@@ -30,7 +30,7 @@ class StatedFacts:
     needed: Mapping[str, Mapping[str, str]]
     """Conditions under which a node needs a parameter, by the pattern of its name; empty for always."""
     tolerated: list[str]
-    """Parameters of which a node ignores a value that it does not allow."""
+    """Parameters of which a node ignores a value that it does not allow, or uses it as it is."""
     without_lifecycle: list[str]
     tree_nodes: list[str]
     """Libraries with Nav2's nodes of behavior trees."""
@@ -53,10 +53,16 @@ class StatedFacts:
 
     def length_of(self, class_name: str, parameter: str) -> list[int]:
         """Return the lengths that a list may have; empty if that is not known."""
-        for pattern, lengths in self.lengths.get(class_name, {}).items():
-            if re.fullmatch(re.escape(pattern).replace(r"\{\#\}", r"\d+"), parameter):
-                return lengths
-        return []
+        patterns = self.lengths.get(class_name, {}).items()
+        return next((lengths for pattern, lengths in patterns if _fits(pattern, parameter)), [])
+
+    def tolerates(self, parameter: str) -> bool:
+        """Return true if a node starts with a wrong value of the parameter."""
+        return any(_fits(pattern, parameter) for pattern in self.tolerated)
+
+
+def _fits(pattern: str, parameter: str) -> bool:
+    return re.fullmatch(re.escape(pattern).replace(r"\{\#\}", r"\d+"), parameter) is not None
 
 
 @cache

@@ -14,6 +14,7 @@ from check_launch.misspellings import all_nearest, did_you_mean, misspelt, neare
 from check_launch.rules.known_parameters import ParameterView
 from check_launch.rules.launch_rules import (
     MisspeltPackage,
+    OldName,
     UnknownExecutable,
     UnknownPackage,
     UnknownPlugin,
@@ -85,6 +86,11 @@ class RunningNode:
     def full_name(self) -> str:
         """The node's name with its namespace."""
         return f"{self.namespace}/{self.name}"
+
+    @property
+    def is_static_transform(self) -> bool:
+        """True for a program that publishes one transform, which its arguments give."""
+        return (self.started.package, self.started.executable) == ("tf2_ros", "static_transform_publisher")
 
 
 @dataclass(slots=True)
@@ -269,11 +275,8 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System, dependenc
         return None
     if known.is_partial and not (started.plugin or executable in known.executables):
         system.has_unknown = True
-        if (executable or "").removesuffix(".py") in known.executables:  # as before Humble
-            message = f"the package '{package}' has no executable '{executable}'"
-            system.findings.append(
-                UnknownExecutable.at(at, message, did_you_mean((executable or "").removesuffix(".py")))
-            )
+        if (executable or "").removesuffix(".py") in known.executables:
+            system.findings.append(_unknown_executable(executable or "", known, at))
         return None
     if started.plugin:
         return _component(started.plugin, known, catalogue, system, at)
@@ -282,9 +285,7 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System, dependenc
         system.has_unknown = True
         return None
     if executable not in known.executables:
-        names = ", ".join(known.executables) or "none"
-        help = did_you_mean(nearest(executable, known.executables), f"executables of {package}: {names}")
-        finding = UnknownExecutable.at(at, f"the package '{package}' has no executable '{executable}'", help)
+        finding = _unknown_executable(executable, known, at)
         system.findings.append(as_hint(finding) if executable in known.build_words else finding)
         system.has_unknown = True
         return None
@@ -294,6 +295,15 @@ def _facts(started: StartedNode, catalogue: Catalogue, system: System, dependenc
         facts = None  # another node
     system.has_unknown |= facts is None or facts.is_partial
     return facts
+
+
+def _unknown_executable(executable: str, package: Package, at: Span) -> Diagnostic:
+    names, bare = ", ".join(package.executables) or "none", executable.removesuffix(".py")
+    is_old = bare in package.executables and package.source != WORKSPACE_SOURCE  # as spawner.py before Humble
+    near = bare if bare in package.executables else nearest(executable, package.executables)
+    help = did_you_mean(near, f"executables of {package.name}: {names}")
+    finding = UnknownExecutable.at(at, f"the package '{package.name}' has no executable '{executable}'", help)
+    return OldName.of(finding) if is_old else finding
 
 
 def _component(plugin: str, package: Package, catalogue: Catalogue, system: System, at: Span) -> NodeClass | None:
