@@ -467,11 +467,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         )
         for held, expected in (("true", []), ("false", ["warning PAR101"]))
     },
-    "a program that lost its ending after Foxy": (
-        _node("controller_manager", "spawner.py", param=""),
-        "",
-        ["warning LCH108 did you mean 'spawner'?"],
-    ),
+    "a program of Foxy": (_node("controller_manager", "spawner.py", param=""), "", ["warning LCH108 did you mean 's"]),
     "a fixed transform beside a node without scans": (
         _node("nav2_amcl", "amcl", param="")
         + _node("tf2_ros", "static_transform_publisher", param="", args="--frame-id map --child-frame-id odom"),

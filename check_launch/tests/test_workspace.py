@@ -85,12 +85,22 @@ class Wheels : public rclcpp::Node {
 }
 int main() { rclcpp::spin(std::make_shared<base::Wheels>()); }
 """,
+    **{
+        f"src/{one}/{name}": text
+        for one in ("tags", "tags2")
+        for name, text in {
+            "package.xml": "<package><name>tags</name></package>",
+            "tags.cpp": 'class Tags : public rclcpp::Node { Tags() : Node("tags") {} };',
+            "CMakeLists.txt": "rclcpp_components_register_nodes(tags Tags)",
+        }.items()
+    },
     "src/cart/tmux/rover_launch.yaml": "session_name: rover\n",
     "src/base/launch/a.launch.py": """
 from arm.names import EXECUTABLE
 from launch import LaunchDescription
 from launch.actions.declare_launch_argument import DeclareLaunchArgument
-from launch_ros.actions import Node
+from launch_ros.actions import ComposableNodeContainer, Node
+from launch_ros.descriptions import ComposableNode
 from lifecycle_msgs.msg import Transition
 import ament_index_python, os, xacro
 def generate_launch_description():
@@ -102,18 +112,20 @@ def generate_launch_description():
         Node(package='base', executable='wheels', parameters=[{'radius': 5.0}, {'radus': 0.2}, {'width': 1}]),
         Node(package='cart', executable='wheels', parameters=[{'spoke': 5.0}, {'radius': 0.2}, {'hub': 1}]),
         Node(package='cart', executable='brake'), Node(package='cart', executable='horn'),
+        ComposableNodeContainer(package='rclcpp_components', executable='component_container', name='c', namespace='',
+            composable_node_descriptions=[ComposableNode(package='tags', plugin='Tags', parameters=[{'a': 1}])]),
         Node(package='nav2_amcl', executable='amcl', name='amcl'),
     ])
 """,
 }
 _EXPECTED = [
-    ("LCH108", 11),
-    ("LCH111", 13),
-    ("PAR101", 12),
-    ("PAR101", 14),
-    ("PAR102", 15),
-    ("PAR103", 14),
-    ("PAR104", 14),
+    ("LCH108", 12),
+    ("LCH111", 14),
+    ("PAR101", 13),
+    ("PAR101", 15),
+    ("PAR102", 16),
+    ("PAR103", 15),
+    ("PAR104", 15),
 ]
 
 
@@ -140,4 +152,4 @@ def test_own_packages_are_read_first(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert findings() == _EXPECTED
     assert facts.read_bytes() == kept
     driver.write_text(driver.read_text().replace("'rate'", "'rte'"))
-    assert findings() == [one for one in _EXPECTED if one != ("PAR101", 12)]
+    assert findings() == [one for one in _EXPECTED if one != ("PAR101", 13)]
