@@ -17,29 +17,25 @@ _BOMB = "launch:\n- let: {name: a, value: aaaaaaaaaa}\n" + 30 * "- let: {name: a
 _GROUPS = "<launch>" + 500 * "<group>" + 500 * "</group>" + "</launch>"
 _ALIASES = "".join(f"{name}: &{name} [{', '.join(9 * [f'*{below}'])}]\n" for below, name in zip("abcdefg", "bcdefgh"))
 _CASES: Mapping[str, tuple[Mapping[str, str | bytes], str]] = {
-    "ends the process": ({"a.launch.py": _PYTHON + "os._exit(7)" + _FUNCTION}, "exit code 7"),
-    "is ended by a signal": (
-        {"a.launch.py": _PYTHON + "os.kill(os.getpid(), signal.SIGTERM)" + _FUNCTION},
-        "ended by SIGTERM",
-    ),
-    "does not end": ({"a.launch.py": _PYTHON + "while True: pass" + _FUNCTION}, "longer than 0.2 s"),
-    "waits without end": ({"a.launch.py": _PYTHON + "time.sleep(1000)" + _FUNCTION}, "waits longer than 0.2 s"),
-    "leaves a thread": (
-        {"a.launch.py": _PYTHON + "threading.Thread(target=time.sleep, args=[1000]).start()" + _FUNCTION},
-        "",
-    ),
-    "takes all memory": ({"a.launch.py": _PYTHON + "x = [0] * 10**10" + _FUNCTION}, "MemoryError"),
-    "writes a large file": (
-        {"a.launch.py": _PYTHON + "open('x', 'wb').write(bytes(64 << 20))" + _FUNCTION},
-        "File too large",
-    ),
-    "changes the folder, and starts a program": (
-        {"a.launch.py": _PYTHON + "os.chdir('/'); subprocess.run([sys.executable, '-c', ''], check=True)" + _FUNCTION},
-        "",
-    ),
+    **{
+        name: ({"a.launch.py": _PYTHON + code + _FUNCTION}, finding)
+        for name, (code, finding) in {
+            "ends the process": ("os._exit(7)", "exit code 7"),
+            "is ended by a signal": ("os.kill(os.getpid(), signal.SIGTERM)", "ended by SIGTERM"),
+            "does not end": ("while True: pass", "longer than 0.2 s"),
+            "waits without end": ("time.sleep(1000)", "waits longer than 0.2 s"),
+            "leaves a thread": ("threading.Thread(target=time.sleep, args=[1000]).start()", ""),
+            "takes all memory": ("x = [0] * 10**10", "MemoryError"),
+            "writes a large file": ("open('x', 'wb').write(bytes(64 << 20))", "File too large"),
+            "changes the folder, and starts a program": (
+                "os.chdir('/'); subprocess.run([sys.executable, '-c', ''], check=True)",
+                "",
+            ),
+            "asks the user": ("input()", ""),
+            "needs what a user gives": ("sys.argv or 0\nnumber_of_robots", ""),
+        }.items()
+    },
     "is Python, whatever its name": ({"a.launch": _PYTHON + _FUNCTION}, ""),
-    "asks the user": ({"a.launch.py": _PYTHON + "input()" + _FUNCTION}, ""),
-    "needs what a user gives": ({"a.launch.py": _PYTHON + "sys.argv or 0\nnumber_of_robots" + _FUNCTION}, ""),
     "imports what is not there": ({"a.launch.py": "from xml import Missing\n" + _PYTHON + _FUNCTION}, ""),
     "uses what is not known": ({"a.launch.py": "import std_msgs.msg as m; m.A()[0] = 1; -m.A()" + _FUNCTION}, ""),
     "waits for what is not known": ({"a.launch.py": "import std_msgs.msg as m\nwhile m.A()(): 0" + _FUNCTION}, ""),

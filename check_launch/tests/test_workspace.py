@@ -9,6 +9,7 @@ import pytest
 
 from roverlink.__main__ import main
 
+_TWO = ("tags", "tags2")
 _FILES = {
     "README.md": "ROS 2 Foxy",
     "src/arm/package.xml": "<package><name>arm</name><build_type>ament_python</build_type></package>",
@@ -85,15 +86,9 @@ class Wheels : public rclcpp::Node {
 }
 int main() { rclcpp::spin(std::make_shared<base::Wheels>()); }
 """,
-    **{
-        f"src/{one}/{name}": text
-        for one in ("tags", "tags2")
-        for name, text in {
-            "package.xml": "<package><name>tags</name></package>",
-            "tags.cpp": 'class Tags : public rclcpp::Node { Tags() : Node("tags") {} };',
-            "CMakeLists.txt": "rclcpp_components_register_nodes(tags Tags)",
-        }.items()
-    },
+    **{f"src/{one}/package.xml": "<package><name>tags</name></package>" for one in _TWO},
+    **{f"src/{one}/CMakeLists.txt": "rclcpp_components_register_nodes(tags Tags)" for one in _TWO},
+    **{f"src/{one}/a.cpp": 'class Tags : public rclcpp::Node { Tags() : Node("tags") {} };' for one in _TWO},
     "src/cart/tmux/rover_launch.yaml": "session_name: rover\n",
     "src/base/launch/a.launch.py": """
 from arm.names import EXECUTABLE

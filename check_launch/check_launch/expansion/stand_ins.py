@@ -172,7 +172,7 @@ class ReplaceString(Substitution):
         self.source_file, self.replacements, self.condition = source_file, replacements or {}, condition
 
     def perform(self, context: Any) -> str:
-        source = context.packages.existing(text_of(self.source_file, context), os.path.dirname(context.file))
+        source: str = context.packages.existing(text_of(self.source_file, context), os.path.dirname(context.file))
         if self.condition is not None and not self.condition.evaluate(context):
             return source
         try:
