@@ -825,11 +825,12 @@ def test_a_launch_file_beside_a_parameter_file_says_which_node_reads_it(write: W
 
 
 def test_arguments_are_set_as_for_ros2_launch(write: Write, check: Check) -> None:
-    """NAME:=VALUE behind the file replaces the default of an argument, and what it chooses is checked."""
-    argument = "  - arg: {name: exec, default: rtabmap}\n"
-    write({"a_launch.yaml": f"launch:\n{argument}  - node: {{pkg: rtabmap_slam, exec: $(var exec)}}\n"})
+    """NAME:=VALUE behind the file replaces a default, and what it chooses is checked; an unknown NAME is said."""
+    nodes = "  - arg: {name: exec, default: rtabmap}\n  - node: {pkg: rtabmap_slam, exec: $(var exec)}\n"
+    write({"a_launch.yaml": f"launch:\n{nodes}"})
     assert check("a_launch.yaml") == (0, [])
     assert check("a_launch.yaml", "exec:=rtab") == (1, ["a_launch.yaml:3:5: LCH108 did you mean 'rtabmap'?"])
+    assert check("a_launch.yaml", "exce:=rtabmap") == (1, ["a_launch.yaml:None:None: LCH104 did you mean 'exec'?"])
 
 
 def test_a_launch_file_that_starts_everything_has_no_loose_ends(write: Write, check: Check) -> None:

@@ -18,7 +18,7 @@ from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.parameter_files import NoParametersError, ParameterFile, is_parameter_file
 from check_launch.expansion.python_files import is_launch_program, is_python
 from check_launch.expansion.source_trees import source_folders
-from check_launch.misspellings import did_you_mean, misspelt
+from check_launch.misspellings import all_nearest, did_you_mean, misspelt
 from check_launch.rules.frame_findings import frame_findings
 from check_launch.rules.launch_rules import (
     MisplacedParameter,
@@ -63,6 +63,8 @@ class Checked:
     """Paths of launch files that were evaluated to their end, by themselves or as parts of others."""
     of_ros1: set[str] = field(default_factory=set)
     """Paths of launch files that only ROS 1 reads."""
+    declared: set[str] = field(default_factory=set)
+    """Arguments that the launch files declare."""
     undeclared: set[Span] = field(default_factory=set)
     """Places where launch files use arguments that they do not declare."""
     used: set[Span] = field(default_factory=set)
@@ -133,7 +135,7 @@ class Checker:
         alone = {shown: path for shown, path in parameter_files.items() if shown not in sections.files}
         others = self._with_loaders(alone, sections)
         checked.findings += [one for one in others if one.span.file in alone and one.rule.id[:3] in ("PAR", "PLG")]
-        checked.findings += sections.findings()
+        checked.findings += [*sections.findings(), *_unknown_arguments(arguments, launch_files, checked)]
         for shown, path in alone.items():
             try:
                 if shown not in sections.files:
@@ -205,6 +207,7 @@ class Checker:
             varied = ((name, value) for name, value in expanded.arguments.items() if name not in arguments)
             chosen = " ".join(f"{name}:={'...' if value is None else value}" for name, value in varied)
             checked.undeclared |= {place for _, place in expanded.undeclared}
+            checked.declared |= {*expanded.declared}
             for finding in self._of_expansion(expanded, system, variants, complete, bool(chosen)):
                 if _key(finding) in known or (chosen and finding.severity is Severity.HINT):
                     continue
@@ -257,6 +260,17 @@ def _of_included(finding: Diagnostic, launch_files: Iterable[Path]) -> Diagnosti
     own = Path(finding.span.file)
     others = (path for path in launch_files if shown_path(str(path)) != finding.span.file)
     return as_hint(finding) if any(own.name in _text_of(path) for path in others) else finding
+
+
+def _unknown_arguments(names: Iterable[str], launch_files: Iterable[Path], checked: Checked) -> Iterator[Diagnostic]:
+    """Yield a finding for each argument of the command line that no launch file has, as `ros2 launch` ignores it."""
+    paths = [*launch_files, *map(Path, checked.evaluated)]
+    is_complete = not any(finding.rule is NotExpanded for finding in checked.findings)
+    for name in names if paths else ():
+        if name not in checked.declared and not any(name in _text_of(path) for path in paths):
+            place, message = Span(shown_path(str(paths[0]))), f"no launch file has the argument '{name}'"
+            finding = UndeclaredArgument.at(place, message, did_you_mean(all_nearest(name, checked.declared, 0.7)))
+            yield as_warning(finding) if is_complete else as_hint(finding)
 
 
 @cache

@@ -55,10 +55,10 @@ class UnknownAction(Rule, id="LCH103"):
 
 
 class UndeclaredArgument(Rule, id="LCH104"):
-    """A launch file uses an argument that it does not declare, or gives one to a launch file that does not have it.
+    """A launch file uses an argument that it does not declare, or gets one that it does not have.
 
-    `ros2 launch` stops at the use of an undeclared argument, unless the user gives it. It ignores an argument that the
-    included launch file does not have, so that the value has no effect.
+    `ros2 launch` stops at the use of an undeclared argument, unless the user gives it. It ignores an argument that a
+    launch file does not have, so that a value from the command line or from an including file has no effect.
 
     Bad::
 
