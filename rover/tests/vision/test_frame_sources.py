@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
+from itertools import takewhile
 from pathlib import Path
 
 import cv2
@@ -123,17 +125,32 @@ def test_a_webcam_is_found_by_its_address(webcam: Callable[[int], Webcam]) -> No
     assert last.number > numbers[-1] + 5
 
 
+@pytest.mark.parametrize(("scheme", "request_"), [("http", b"GET"), ("rtsp", b"OPT")])
+def test_a_stream_is_asked_for_a_connection_first(scheme: str, request_: bytes) -> None:
+    """FFmpeg, which waits long for an answer, sends its request after a connection that was accepted and closed."""
+    received: list[bytes] = []
+
+    def receive() -> None:
+        while len(received) < 2:
+            with server.accept()[0] as connection:
+                received.append(connection.recv(3))
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        thread = threading.Thread(target=receive, daemon=True)
+        thread.start()
+        with pytest.raises(SetupError, match="cannot open"):
+            open_source(f"{scheme}://127.0.0.1:{server.getsockname()[1]}/video")
+        thread.join(PATIENCE_S)
+    assert received == [b"", request_]
+
+
 @pytest.mark.parametrize("hangs", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_stream_that_goes_is_opened_again(webcam: Callable[[int], Webcam], hangs: bool) -> None:
     """It says that the stream ended or stalled, and that it is back; the frames go on and so do their numbers."""
     phone, said = webcam(5), list[str]()
     phone.hang = hangs
     with open_source(phone.address, say=said.append) as source:
-        numbers = []
-        for frame in source:
-            numbers.append(frame.number)
-            if phone.visits == 2:
-                break
+        numbers = [frame.number for frame in takewhile(lambda _: phone.visits < 2, source)]
     assert ("has stalled: no frame for 3 s" if hangs else "has ended") in said[0]
     assert "is back after" in said[1]
     assert numbers == sorted(set(numbers))
