@@ -145,8 +145,8 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, batch: Mar
     x, y = places[:, 0], places[:, 1]
     usable = (off <= limit[:, :, None]).all(axis=1) & batch.real[:, None]
     usable &= (x >= 0) & (y >= 0) & (x < width) & (y < height)
-    columns, rows = np.where(usable[:, None], places, 0).astype(np.intp).reshape(len(places), 2, -1).swapaxes(0, 1)
-    distinct = _first_uses(columns, rows, usable.reshape(columns.shape))
+    places = np.where(usable[:, None], places, 0).astype(np.intp).reshape(len(places), 2, -1)
+    distinct = _first_uses(places, usable.reshape(len(places), -1))
     count = distinct.sum(axis=1)
     most = max(int(np.max(count, initial=0)), 1)
     real = np.arange(most) < count[:, None]
@@ -159,30 +159,23 @@ def choose_pixels(image: NDArray[np.uint8], camera: CameraParameters, batch: Mar
     marker = np.arange(len(chosen))[:, None]
     moved_points = (points.astype(np.float32)[:, :, None] + _turned(by_pixel, moved)).reshape(len(chosen), 2, -1)
     return Pixels(
-        image[rows[marker, chosen], columns[marker, chosen]] * real.astype(np.float32),
+        image[places[marker, 1, chosen], places[marker, 0, chosen]] * real.astype(np.float32),
         np.take_along_axis(moved_points, chosen[:, None], axis=2),
         np.take_along_axis(by_pixel, chosen[:, None, None] % edges, axis=3),
         real.astype(np.float32),
     )
 
 
-def _first_uses(columns: NDArray[np.intp], rows: NDArray[np.intp], usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return a mask (K, P) of the usable ones of P pixels of each marker, without those that came before."""
-    marker, place = np.nonzero(usable)
-    if not marker.size:
-        return usable
+def _first_uses(places: NDArray[np.intp], usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return a mask (K, P) of the usable ones of P pixels (K, 2, P) of each marker, without those that came before."""
+    high = np.where(usable[:, None], places, -1).max(axis=2)
+    low = np.where(usable[:, None], places, high[:, :, None]).min(axis=2)
     # A pixel's position in the box around the marker; the boxes of all markers follow each other.
-    low, high = (
-        np.stack([least(part, axis=1, where=usable, initial=first) for part in (columns, rows)])
-        for least, first in ((np.min, np.iinfo(np.intp).max), (np.max, -1))
-    )
-    width, height = np.where(high >= low, high - low + 1, 0)
+    width, height = (high - low + 1).T
     end = np.cumsum(width * height)
-    position = (end - width * height - low[1] * width - low[0])[:, None] + rows * width[:, None] + columns
-    position = position[marker, place]
-    first = np.empty(end[-1], np.int32)
-    order = np.arange(position.size)
+    column, row = (places - low[:, :, None]).swapaxes(0, 1)
+    inside = (end - width * height)[:, None] + row * width[:, None] + column
+    position = np.where(usable, inside, end[-1]).ravel()
+    first, order = np.empty(end[-1] + 1, np.intp), np.arange(position.size)
     first[position[::-1]] = order[::-1]  # the last value stays
-    distinct = np.zeros_like(usable)
-    distinct[marker, place] = first[position] == order
-    return distinct
+    return usable & (first[position] == order).reshape(usable.shape)

@@ -82,10 +82,10 @@ RIGID = 1e12
 _MAD_TO_SIGMA = 1.4826  # for a normal distribution: 1 / 0.6745
 _ROUNDING = 0.3  # standard deviation of rounding to whole grey levels: 1 / sqrt(12)
 _RIDGE = 1e-9  # keeps the matrix of a marker without contrast invertible
-_BLOCK = 80
-"""Number of pixels in one product of matrices.
+_UNTHREADED = 1 << 18
+"""Number of multiplications in a product of matrices up to which OpenBLAS starts no threads.
 
-With up to 57 rows each, it is so small that OpenBLAS starts no threads for it, where roverkit could not forbid them.
+It is 65536 times the GEMM_MULTITHREAD_THRESHOLD of OpenBLAS. Where roverkit could not forbid the threads, they spin.
 """
 _FEW = 4  # a step for up to a quarter of the markers takes half as long as for all of them
 
@@ -327,7 +327,7 @@ def _step(
     design[:, rigid:] *= contrast
     missed = residuals * roots[:, 0]
     normal = _summed(design, design).astype(float)  # faster if both factors are the same array
-    right = _summed(design, missed[:, None]).astype(float)
+    right = np.einsum("kun,kn->ku", design, missed)[..., None].astype(float)
     held, towards = normal, right
     if rigidity is not None:
         held, towards = normal.copy(), right.copy()
@@ -366,7 +366,7 @@ def _level(light: Floats, grey: Floats, used: Floats) -> tuple[Floats, Floats]:
 
     `used` (K, L, N) is `light` with 0 for the pixels that do not count.
     """
-    normal, right = _summed(used, light), _summed(used, grey[:, None])
+    normal, right = _summed(used, light), np.einsum("kln,kn->kl", used, grey)[..., None]
     level = _solve(normal.astype(float), right.astype(float)).astype(np.float32)
     return level, grey - (level[:, None] @ light)[:, 0]
 
@@ -387,16 +387,17 @@ def _rigidity(outcome: _Outcome, lines: Floats) -> Floats:
     lines, and so has bent paper; the outer edges are then the only ones that determine the marker. The variance of the
     offsets is estimated with the method of DerSimonian and Laird (1986).
     """
-    free = np.arange(outcome.rigid, outcome.normal.shape[1])
-    columns = np.broadcast_to(np.eye(len(outcome.normal[0]))[:, free], (len(lines), outcome.normal.shape[1], free.size))
-    wanted = np.concatenate([columns, outcome.right[:, :, None]], axis=2)
-    solution = np.linalg.solve(_regular(outcome.normal), wanted)[:, free]
-    offsets = lines.reshape(len(lines), -1) + solution[:, :, -1]
+    rigid, normal = outcome.rigid, _regular(outcome.normal)
+    # The other unknowns are eliminated first (Schur complement).
+    by_lines = np.concatenate([normal[:, :, rigid:], outcome.right[:, :, None]], axis=2)
+    by_lines[:, rigid:] -= normal[:, rigid:, :rigid] @ np.linalg.solve(normal[:, :rigid, :rigid], by_lines[:, :rigid])
+    inverse = np.linalg.inv(by_lines[:, rigid:, :-1])
+    offsets = lines.reshape(len(lines), -1) + (inverse @ by_lines[:, rigid:, -1:])[..., 0]
     variance = outcome.variance()
-    precision = 1 / np.maximum(solution.diagonal(axis1=1, axis2=2), 1e-12) / variance[:, None]
+    precision = 1 / np.maximum(inverse.diagonal(axis1=1, axis2=2), 1e-12) / variance[:, None]
     chi2 = (offsets**2 * precision).sum(axis=1)
-    excess = (chi2 - free.size) / precision.sum(axis=1)
-    return np.where(chi2 > gate_limit(free.size), variance / np.maximum(excess, 1e-12), RIGID)
+    excess = (chi2 - len(inverse[0])) / precision.sum(axis=1)
+    return np.where(chi2 > gate_limit(len(inverse[0])), variance / np.maximum(excess, 1e-12), RIGID)
 
 
 def _shift(before: _State, after: _State) -> Floats:
@@ -413,7 +414,8 @@ def _squares(values: Floats) -> Floats:
 
 def _summed(left: Floats, right: Floats) -> Floats:
     """Return the sums (K, A, B) over the pixels of the products of values (K, A, N) and (K, B, N)."""
-    blocks = (slice(first, first + _BLOCK) for first in range(0, left.shape[2], _BLOCK))
+    block = _UNTHREADED // (left.shape[1] * right.shape[1])
+    blocks = (slice(first, first + block) for first in range(0, left.shape[2], block))
     sums: Floats = sum(left[..., block] @ right[..., block].transpose(0, 2, 1) for block in blocks)
     return sums
 
@@ -434,14 +436,13 @@ def _regular(normal: Floats) -> Floats:
 
 def _weights(residuals: Floats, real: Floats) -> Floats:
     """Return the weights (K, N) of pixels: 0 for outliers and padding, 1 for most others."""
-    sizes = np.abs(residuals) - (1 - real)  # padding sorts first
+    sizes = np.abs(residuals)
     count = real.sum(axis=1).astype(np.intp)
-    middle = np.sort(sizes, axis=1)[
-        np.arange(len(sizes)), np.minimum(real.shape[1] - count + count // 2, real.shape[1] - 1)
-    ]
-    sigma = _MAD_TO_SIGMA * middle + _ROUNDING
+    middle = np.minimum(real.shape[1] - count + count // 2, real.shape[1] - 1)  # padding sorts first
+    medians = np.partition(sizes - (1 - real), np.unique(middle), axis=1)[np.arange(len(sizes)), middle]
+    sigma = _MAD_TO_SIGMA * medians + _ROUNDING
     full, none = OUTLIERS
-    weights: Floats = real * np.clip((none - np.abs(residuals) / sigma[:, None]) / (none - full), 0, 1)
+    weights: Floats = real * np.clip((none - sizes / sigma[:, None]) / (none - full), 0, 1)
     return weights
 
 

@@ -159,7 +159,7 @@ def predict_grey(
     # The sums of D[j, i] f(a_i) g(b_j) over all lattice points (i, j), for f and g in the order step, bell, curve. Each
     # is the sum over all modules, each with its value and the decrease of f and g from one side of it to the other
     # (summation by parts).
-    sums = np.einsum("fbkn,gbkn->fgkn", values.summed, values.modules[:, :, :, 1])
+    sums = _sum_of_products(values.summed[:, None], values.modules[None, :, :, :, 1])
     first, second = sums[1, 1], sums[2, 2]  # terms of r and of r^2 / 2
     by_u, by_v = sums[1, 0] / sigma_u, sums[0, 1] / sigma_v
     by_r = first + r * second
@@ -234,8 +234,15 @@ def _line_values(window: _Window, distances: Singles) -> _LineValues:
     np.multiply(distances, lines[1], out=lines[2])
     whole[0, 0] = 1  # before the window, `step` is 1, and after it 0
     modules = whole[:, :-1] - whole[:, 1:]
-    summed = np.einsum("bakn,fakn->fbkn", window.modules, modules[:, :, :, 0])
+    summed = _sum_of_products(window.modules, modules[:, None, :, :, 0])
     return _LineValues(lines, modules, summed)
+
+
+def _sum_of_products(left: Singles, right: Singles) -> Singles:
+    """Return the products of arrays (A, B, C, K, N), which are broadcast, summed over C."""
+    # numpy.einsum takes twice as long: its innermost loop is over C.
+    products: Singles = (left * right).sum(axis=-3)
+    return products
 
 
 def _by_blur(by_pixel: Floats, blur: _Blur, by_log_sigmas: tuple[Floats, Floats], by_r: Floats) -> Floats:
@@ -263,11 +270,12 @@ def _by_lines(window: _Window, count: int, blur: _Blur, of_lines: _LineValues) -
     `count` is L. For line i along u, it is the sum of -D[j, i] bell(a_i) step(b_j) / su over j; for line j along v
     likewise over i. It is 0 for the lines outside of the window.
     """
-    across = np.einsum("bakn,bkn->akn", np.diff(window.modules, axis=1), of_lines.modules[0, :, :, 1])
+    across = (np.diff(window.modules, axis=1) * of_lines.modules[0, :, None, :, 1]).sum(axis=0)
     values = np.stack([across, np.diff(of_lines.summed[0], axis=0)], axis=2) * of_lines.lines[1]
     values /= -blur.sigma.astype(np.float32)
-    inner = np.arange(1, count - 1)[:, None]
-    by_lines = np.zeros((*window.first.shape[:2], inner.size, window.first.shape[2]), np.float32)
+    markers, axes, pixels = window.first.shape
+    by_lines = np.zeros((markers, axes, count, pixels), np.float32)
+    of_axis = np.arange(markers * axes).reshape(markers, axes, 1) * count + window.first
     for place, value in enumerate(values):
-        np.copyto(by_lines, value[:, :, None], where=(window.first + place)[:, :, None] == inner)
-    return by_lines.reshape(len(by_lines), -1, by_lines.shape[3])
+        by_lines.ravel()[(of_axis + place) * pixels + np.arange(pixels)] = value
+    return by_lines[:, :, 1:-1].reshape(markers, -1, pixels)

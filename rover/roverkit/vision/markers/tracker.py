@@ -380,6 +380,8 @@ class Tracker:
 def _diagonal(blocks: Floats) -> Floats:
     """Return the block diagonal matrices (..., K N, K N) with K blocks (..., K, N, N) each."""
     *many, count, size, _ = blocks.shape
+    if count == 1:
+        return blocks[..., 0, :, :]
     whole = np.zeros((*many, count, size, count, size))
     for place in range(count):
         whole[..., place, :, place, :] = blocks[..., place, :, :]

@@ -281,7 +281,8 @@ def _refine(problem: _Problem, places: _Places, moving: NDArray[np.bool_]) -> _P
 
 def _invertible(matrices: Floats) -> NDArray[np.bool_]:
     """Return a mask (P,) of the matrices (P, n, n) that are invertible. A matrix with NaN is not."""
-    invertible: NDArray[np.bool_] = np.isfinite(matrices).all(axis=(1, 2)) & (np.linalg.det(matrices) > 0)
+    determinants = np.linalg.det(matrices)
+    invertible: NDArray[np.bool_] = (determinants > 0) & (determinants < np.inf)
     return invertible
 
 
