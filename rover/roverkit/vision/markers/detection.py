@@ -20,7 +20,7 @@ from roverkit.vision.opencv import cv2
 
 Image = NDArray[np.uint8]
 
-_SMALLEST_SIDE = 9
+SMALLEST_SIDE = 9
 """Side in pixels of the smallest marker that can be read."""
 _APART = 0.02
 """Distance between the corners of two squares, relative to their perimeter, below which OpenCV takes them for one.
@@ -139,7 +139,7 @@ class Detector:
 
     def _detect(self, image: Image, search: _Search) -> list[MarkerDetection]:
         height, width = image.shape
-        if min(height, width) < 2 * _SMALLEST_SIDE:
+        if min(height, width) < 2 * SMALLEST_SIDE:
             return []
         # shapes differ between OpenCV versions: ids are (N, 1), (N,) or None
         corners, numbers, unread = self._detector(search, max(height, width)).detectMarkers(image)
@@ -180,5 +180,5 @@ def _parameters(search: _Search, longest: int, *, exact: bool) -> Any:
     parameters.perspectiveRemovePixelPerCell = search.cell
     parameters.minMarkerDistanceRate = _APART
     # OpenCV wants the perimeter relative to the longer side of the image.
-    parameters.minMarkerPerimeterRate = 4 * _SMALLEST_SIDE / longest
+    parameters.minMarkerPerimeterRate = 4 * SMALLEST_SIDE / longest
     return parameters

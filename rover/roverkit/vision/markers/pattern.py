@@ -186,7 +186,8 @@ def _blur_along_axes(by_pixel: Floats, blur: Floats) -> _Blur:
     With the gradients gu and gv (2,) of u and v and the covariance C of the blur, su^2 is gu C gu, sv^2 is gv C gv, and
     the correlation is gu C gv / (su sv).
     """
-    blurred = np.einsum("kij,kajn->kain", blur, by_pixel)  # C gu and C gv
+    rows = blur[:, :, None, :, None]
+    blurred = rows[:, 0] * by_pixel[:, :, :1] + rows[:, 1] * by_pixel[:, :, 1:]  # C gu and C gv
     variance = (by_pixel * blurred).sum(axis=2)
     sigma = np.sqrt(variance)
     covariance = (by_pixel[:, 0] * blurred[:, 1]).sum(axis=1)

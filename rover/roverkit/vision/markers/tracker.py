@@ -19,7 +19,7 @@ import numpy as np
 
 from roverkit.vision.camera.camera_model import CameraParameters, Floats
 from roverkit.vision.camera.uncertainty import Uncertainty, camera_roots, pixels_by_camera, pixels_to_rays
-from roverkit.vision.markers.detection import Detector, Image, MarkerDetection, Region, to_grey
+from roverkit.vision.markers.detection import SMALLEST_SIDE, Detector, Image, MarkerDetection, Region, to_grey
 from roverkit.vision.markers.edges import Fit, Guess
 from roverkit.vision.markers.flips import Flips
 from roverkit.vision.markers.marker_fits import Fitted, extent, fit_markers
@@ -243,7 +243,7 @@ class Tracker:
         # If no marker is where it was, the frame may show another place.
         thorough = stamp - self._searched >= self._thorough_s * 1e9 or (due and bool(lost) and not seen)
         scanned = due or thorough or len(lost) > _REGIONS
-        found = _distinct(self._scan(grey, stamp, thorough=thorough), seen) if scanned else []
+        found = _distinct(self._scan(self._covered(grey, seen), stamp, thorough=thorough), seen) if scanned else []
         numbers = [detection.number for detection in found]
         for track in lost:
             if track.number in numbers:
@@ -251,7 +251,7 @@ class Tracker:
             else:
                 found += self._detector.scan_region(grey, _region(track, stamp, grey.shape))
         if not scanned and len(_distinct(found, seen)) < len(lost):
-            found += self._scan(grey, stamp, thorough=False)
+            found += self._scan(self._covered(grey, seen), stamp, thorough=False)
         seen += self._fit_found(grey, _distinct(found, seen), stamp)
         return seen
 
@@ -261,6 +261,23 @@ class Tracker:
             return self._detector.scan_quickly(grey)
         self._searched = stamp
         return self._detector.scan(grey)
+
+    def _covered(self, grey: Image, seen: Sequence[_Track]) -> Image:
+        """Return an image in which white covers the markers that are seen, so that a search does not read them again.
+
+        A marker stays if another one, with its white border, may be in one of its cells.
+        """
+        covered: Image = grey.copy()
+        modules = self._markers.bits.markerSize + 2
+        hidden = [track.corners for track in seen if extent(track.corners) < SMALLEST_SIDE * (modules + 2)]
+        corners = np.array(hidden).reshape(-1, 4, 2)
+        middles = corners.mean(axis=1, keepdims=True)
+        # Half of the white border is covered, too.
+        outlines = np.rint(middles + (corners - middles) * (1 + 1 / modules)).astype(np.int32)
+        x, y = np.moveaxis(np.clip(outlines, 0, np.array(grey.shape[::-1]) - 1), 2, 0)
+        for outline, white in zip(outlines, grey[y, x].mean(axis=1).tolist()):
+            cv2.fillConvexPoly(covered, outline, white)
+        return covered
 
     def _follow(self, grey: Image, stamp: int) -> list[_Track]:
         """Fit the markers of earlier frames at their predicted positions; return those that are there."""
