@@ -7,6 +7,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from itertools import takewhile
 from pathlib import Path
 
@@ -128,20 +129,17 @@ def test_a_webcam_is_found_by_its_address(webcam: Callable[[int], Webcam]) -> No
 @pytest.mark.parametrize(("scheme", "request_"), [("http", b"GET"), ("rtsp", b"OPT")])
 def test_a_stream_is_asked_for_a_connection_first(scheme: str, request_: bytes) -> None:
     """FFmpeg, which waits long for an answer, sends its request after a connection that was accepted and closed."""
-    received: list[bytes] = []
 
-    def receive() -> None:
-        while len(received) < 2:
-            with server.accept()[0] as connection:
-                received.append(connection.recv(3))
+    def first_bytes(_: int) -> bytes:
+        with server.accept()[0] as connection:
+            return connection.recv(3)
 
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        thread = threading.Thread(target=receive, daemon=True)
-        thread.start()
+    with socket.create_server(("127.0.0.1", 0)) as server, ThreadPoolExecutor(1) as pool:
+        server.settimeout(PATIENCE_S)
+        received = pool.map(first_bytes, range(2))
         with pytest.raises(SetupError, match="cannot open"):
             open_source(f"{scheme}://127.0.0.1:{server.getsockname()[1]}/video")
-        thread.join(PATIENCE_S)
-    assert received == [b"", request_]
+        assert list(received) == [b"", request_]
 
 
 @pytest.mark.parametrize("hangs", [False, pytest.param(True, marks=pytest.mark.slow)])

@@ -100,10 +100,8 @@ def test_corners_are_exact_and_their_covariance_is_honest(film: Sequence[Scene])
     errors = list(map(miss, found, film))
     assert np.median(errors) < 0.015
     assert max(errors) < 0.03
-    nees = []
-    for one, scene in zip(found, film):
-        error = (LENS.rays(scene.corners) - one.rays).ravel()
-        nees.append(error @ np.linalg.solve(one.covariance, error))
+    missed = [(LENS.rays(scene.corners) - one.rays).ravel() for one, scene in zip(found, film)]
+    nees = [error @ np.linalg.solve(one.covariance, error) for one, error in zip(found, missed)]
     assert 4 < np.mean(nees) < 12.5
     assert np.median([one.noise for one in found]) == pytest.approx(2.02, rel=0.1)
     assert np.median([one.contrast for one in found]) == pytest.approx(200, rel=0.05)
