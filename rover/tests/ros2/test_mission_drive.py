@@ -1,13 +1,9 @@
 """A mission with all programs on its way to the boards, and a simulated rover at the end of them.
 
-`roverlink mission run` sends goals to an action server that stands in for Nav2: it steers towards the goal. `roverlink
-drive` makes commands of its velocities, and the bridge sends them to the driving board, which is a model whose wheels
-slip. The operator's mode comes over the link, too.
-
-Where the rover is comes from the model, or from `roverlink odometry` and `roverlink fuse`, whose measurements have gone
-the whole way: datagrams of the boards through the bridge, and landmarks that a camera sees.
-
-The time is that of a simulation, which waits for the programs: on a busy computer, none of them is late.
+`roverlink mission run` sends goals to an action server that stands in for Nav2. `roverlink drive` makes commands of its
+velocities, and the bridge sends them to the driving board, a model whose wheels slip. The pose is that of the model, or
+of `roverlink odometry` and `roverlink fuse`, from datagrams of the boards and landmarks that a camera sees. The time is
+that of a simulation, which waits for the programs: on a busy computer, none of them is late.
 """
 
 from __future__ import annotations
