@@ -44,7 +44,7 @@ class Reader {
 
   // Skips the padding before a value.
   bool align(size_t size) {
-    const size_t padding = (size - used_ % size) % size;
+    const size_t padding = padding_before(used_, size);
     if (padding > size_ - used_) return false;
     used_ += padding;
     return true;
@@ -55,7 +55,7 @@ class Reader {
     const uint32_t size = size_of(type);
     if (!align(size) || size > size_ - used_) return false;
     slot->bits = 0;
-    std::memcpy(&slot->bits, body_ + used_, size);
+    copy_primitive(&slot->bits, body_ + used_, size);
     used_ += size;
     switch (type) {
       case RL_BOOL: slot->bits = slot->bits != 0; break;

@@ -63,17 +63,16 @@ class Writer {
 
   // Writes the padding before a value.
   bool align(size_t size) {
-    const size_t padding = (size - used_ % size) % size;
+    const size_t padding = padding_before(used_, size);
     if (padding > room_ - used_) return false;
-    std::memset(body_ + used_, 0, padding);
-    used_ += padding;
+    for (const size_t end = used_ + padding; used_ < end; ++used_) body_[used_] = 0;
     return true;
   }
 
   // Writes the low bytes of a value.
   bool put(uint64_t bits, uint32_t size) {
     if (!align(size) || size > room_ - used_) return false;
-    std::memcpy(body_ + used_, &bits, size);  // little endian, as the machine
+    copy_primitive(body_ + used_, &bits, size);  // little endian, as the machine
     used_ += size;
     return true;
   }

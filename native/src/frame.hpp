@@ -102,9 +102,22 @@ inline Wire wire_of(uint8_t type) {
 
 // The size of a primitive in bytes.
 inline uint32_t size_of(uint8_t primitive) {
-  constexpr uint8_t sizes[RL_PRIMITIVES] = {1, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  static constexpr uint8_t sizes[RL_PRIMITIVES] = {1, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
   return sizes[primitive];
 }
+
+// Copies a primitive of 1, 2, 4 or 8 bytes. A `memcpy` of a size that the compiler does not know is a call.
+inline void copy_primitive(void *to, const void *from, size_t size) {
+  switch (size) {
+    case 8: std::memcpy(to, from, 8); break;
+    case 4: std::memcpy(to, from, 4); break;
+    case 2: std::memcpy(to, from, 2); break;
+    default: std::memcpy(to, from, 1);
+  }
+}
+
+// The padding of CDR before a value at a place. An alignment is a power of two, so that nothing has to be divided.
+inline size_t padding_before(size_t place, size_t alignment) { return (size_t{0} - place) & (alignment - 1); }
 
 // A value with the same bits.
 template <typename T, typename S>

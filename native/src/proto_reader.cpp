@@ -61,6 +61,10 @@ class Reader {
 
   // Tag or length. protobuf takes no more than five bytes for one, even if the rest are zeros.
   static bool varint32(const uint8_t **at, const uint8_t *end, uint32_t *value) {
+    if (*at != end && **at < 0x80) {  // one byte, as most of them
+      *value = *(*at)++;
+      return true;
+    }
     uint64_t wide = 0;
     const uint8_t *start = *at;
     if (!varint(at, end, &wide) || *at - start > 5 || wide > UINT32_MAX) return false;
@@ -84,7 +88,7 @@ class Reader {
   static bool fixed(const uint8_t **at, const uint8_t *end, size_t size, uint64_t *bits) {
     if (size > static_cast<size_t>(end - *at)) return false;
     *bits = 0;
-    std::memcpy(bits, *at, size);
+    copy_primitive(bits, *at, size);
     *at += size;
     return true;
   }

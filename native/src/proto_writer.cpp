@@ -93,7 +93,7 @@ class Writer {
       bits = (bits << 1) ^ (uint64_t{0} - (bits >> 63));
     }
     const auto *data = reinterpret_cast<const uint8_t *>(&bits);
-    const bool done = wire == VARINT ? varint(bits) : bytes(data, wire == FIXED64 ? 8 : 4);
+    const bool done = wire == VARINT ? varint(bits) : wire == FIXED64 ? bytes(data, 8) : bytes(data, 4);
     return done && (op.number == 0 || tag(op.number, wire));
   }
 
