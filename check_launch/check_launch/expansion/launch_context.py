@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import tempfile
 from collections import UserDict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -72,7 +73,8 @@ class Packages:
 
     def is_temporary(self, path: str) -> bool:
         """Return true for a file in the folder for temporary files, unless the checked packages are there."""
-        return Path(path).is_relative_to("/tmp") and not self.holds(path)  # noqa: S108  # only compared
+        folders = "/tmp", tempfile.gettempdir()  # noqa: S108  # only compared
+        return any(map(Path(path).is_relative_to, folders)) and not self.holds(path)
 
     def python_folder(self, package: str) -> Path | None:
         """Return the folder from which the Python package of a ROS 2 package can be imported; None if there is none."""

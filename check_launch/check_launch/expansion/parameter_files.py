@@ -13,6 +13,7 @@ from typing import Any
 import yaml
 
 from check_launch.expansion.entities import UnreadableFileError, compose, place_of, plain, text_of_file
+from check_launch.expansion.substitutions import RUN_TIME
 from roverlink import bounded_files
 from roverlink.generator.diagnostics import Span
 
@@ -86,7 +87,7 @@ class ParameterFile:
         self.refused = next(refusals, None)
         """First message and place of what rcl_yaml_param_parser refuses; rewriting the file removes it."""
         self._has_sections = _has_sections(self._root)
-        self._with_substitutions = list(dict.fromkeys(_with_substitutions(self._root)))
+        self._with_texts = list(dict.fromkeys(_with_texts(self._root)))
         self._sections: dict[tuple[str | None, ...], list[Section]] = {}
 
     def sections(self, text_of: Callable[[str], str | None] | None, of_component: bool = False) -> list[Section]:
@@ -100,7 +101,8 @@ class ParameterFile:
             return []
         if not isinstance(self._root, yaml.MappingNode):
             raise NoParametersError(place_of(self._root, self._shown), "a parameter file is a mapping of nodes")
-        texts = {text: text_of(text) for text in self._with_substitutions} if text_of else {}
+        read = text_of or str
+        texts = {text: None if RUN_TIME in text else read(text) for text in self._with_texts}
         is_one = of_component and not self._has_sections
         key = (str(is_one), *texts.values())
         if key not in self._sections:
@@ -113,16 +115,16 @@ class ParameterFile:
         return self._sections[key]
 
 
-def _with_substitutions(node: yaml.Node | None) -> Iterator[str]:
-    """Yield the texts in a file in which substitutions may stand."""
+def _with_texts(node: yaml.Node | None) -> Iterator[str]:
+    """Yield the texts in a file in which substitutions may stand, or what only the running system knows."""
     if isinstance(node, yaml.MappingNode):
         for key, value in node.value:
-            yield from _with_substitutions(key)
-            yield from _with_substitutions(value)
+            yield from _with_texts(key)
+            yield from _with_texts(value)
     elif isinstance(node, yaml.SequenceNode):
         for child in node.value:
-            yield from _with_substitutions(child)
-    elif isinstance(node, yaml.ScalarNode) and "$(" in node.value:
+            yield from _with_texts(child)
+    elif isinstance(node, yaml.ScalarNode) and ("$(" in node.value or RUN_TIME in node.value):
         yield node.value
 
 

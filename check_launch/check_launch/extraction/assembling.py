@@ -345,12 +345,16 @@ class Assembler:
             key.startswith("{plugin}.") for parameter in facts.parameters for key in self._spelled(parameter, name)
         )
         prefix = "{plugin}." if is_plugin else ""
-        all_stated = [(prefix + key, stated) for key, stated in self._supplement.parameters.get(name, {}).items()]
-        if self._is_node(name) and not prefix:
-            all_stated += self._supplement.parameters[""].items()
-        for key, stated in all_stated:
+        for key, stated in self._supplement.parameters.get(name, {}).items():
             if self._is_for(stated):
-                yield key, _parameter(stated, self._distribution)
+                parameter = _parameter(stated, self._distribution)
+                # A workspace may have another version of the package, with other types and ranges.
+                is_certain = name not in self._with_marks
+                yield prefix + key, parameter if is_certain else Parameter("", parameter.default)
+        if self._is_node(name) and not prefix:
+            for key, stated in self._supplement.parameters[""].items():
+                if self._is_for(stated):
+                    yield key, _parameter(stated, self._distribution)
 
     def _is_for(self, stated: Mapping[str, Any]) -> bool:
         """Return true if a statement of the supplement holds for the distribution."""

@@ -220,7 +220,7 @@ class _PackageReader:
             source,
             call.position,
             lambda name: first_values(everywhere if name.isupper() else texts, name),
-            lambda name: declared_type(texts, name),
+            lambda name: declared_type(everywhere if name.isupper() else texts, name),
         )
 
     def _texts_of(self, owner: str, source: CppSource) -> list[str]:

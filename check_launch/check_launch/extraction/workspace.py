@@ -42,13 +42,19 @@ def with_workspace(catalogue: Catalogue, packages: Packages, file: Path | None =
         for name, package in own.packages.items()
         if len(packages.copies[name]) > 1
     }
+    # A container looks for the nodes of a package in one workspace after the other, unlike `ros2 run` for its programs.
+    beneath = {
+        name: replace(package, components=catalogue.packages[name].components)
+        for name, package in own.packages.items()
+        if name in catalogue.packages and not package.components
+    }
     owners = {plugin.class_name: plugin.package for plugin in own.plugins.values()}
     for name, package in own.packages.items():
         owners |= dict.fromkeys((*package.executables.values(), *package.components.values()), name)
     return replace(
         catalogue,
         sources={**catalogue.sources, **own.sources},
-        packages={**catalogue.packages, **own.packages, **several},
+        packages={**catalogue.packages, **own.packages, **beneath, **several},
         # Not the classes that the supplement names, and that this workspace does not have.
         classes={
             **catalogue.classes,
