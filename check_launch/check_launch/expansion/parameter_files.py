@@ -15,6 +15,7 @@ import yaml
 from check_launch.expansion.entities import UnreadableFileError, compose, place_of, plain, text_of_file
 from check_launch.expansion.substitutions import RUN_TIME
 from roverlink import bounded_files
+from roverlink.bounded_yaml import FAST_LOADER
 from roverlink.generator.diagnostics import Span
 
 KEY = "ros__parameters"
@@ -160,7 +161,7 @@ def _refusals(node: yaml.Node | None, shown: str, in_parameters: bool) -> Iterat
 
 def _aliases(text: str, shown: str) -> Iterator[tuple[str, Span]]:
     """Yield messages and places of aliases (``Will not support aliasing`` of rcl_yaml_param_parser)."""
-    for event in yaml.parse(text, Loader=yaml.SafeLoader) if _ALIAS.search(text) else ():
+    for event in yaml.parse(text, Loader=FAST_LOADER) if _ALIAS.search(text) else ():
         mark = event.start_mark
         if isinstance(event, yaml.AliasEvent) and mark is not None:
             message = f"ROS 2 reads no aliases in parameter files: write the values of '*{event.anchor}' here"

@@ -11,7 +11,7 @@ import yaml
 from check_launch.expansion.entities import UnreadableFileError, compose, place_of, text_of_file
 from roverlink.generator.diagnostics import Span
 
-_RELIABILITY = {"Reliable": "reliable", "Best Effort": "best_effort", "System Default": "reliable"}
+_RELIABILITY = {"Reliable": "reliable", "Best Effort": "best_effort"}
 _DURABILITY = {"Transient Local": "transient_local", "Volatile": "volatile", "System Default": "volatile"}
 
 

@@ -27,8 +27,9 @@ from roverlink.generator.diagnostics import Diagnostic, Span
 
 _WITHOUT_NODES = frozenset({"rclcpp_components"})
 _CONTAINERS = ("component_container", "component_container_mt", "component_container_isolated")
-_QOS_VALUES = {"1": "reliable", "2": "best_effort", "0": "reliable"}
-"""Values of RTAB-Map's parameters such as `qos_image` (rmw_qos_reliability_policy_t); 0 is reliable, too."""
+_SYSTEM_DEFAULT = "0"
+_QOS_VALUES = {"1": "reliable", "2": "best_effort"}
+"""Values of RTAB-Map's parameters such as `qos_image` (rmw_qos_reliability_policy_t)."""
 _QOS_DEFAULTS = {"$(qos_camera_info)": "$(qos_image)"} | {
     f"$(qos_{name})": "$(qos)" for name in ("odom", "image", "scan", "user_data", "sensor_data")
 }
@@ -430,7 +431,11 @@ def _reliability(view: ParameterView, prefix: str, endpoint: Endpoint) -> str:
         named = "" if view.is_given(named, prefix) else _QOS_DEFAULTS[named]
     if text is None:  # of qos_imu, whose default is that of qos in some nodes only
         is_default = not view.is_partial and not {prefix + "qos", prefix + named[2:-1]} & view.given.keys()
-        return "reliable" if is_default and named.startswith("$(qos") else ""
+        if not is_default or not named.startswith("$(qos"):
+            return ""
+        text = _SYSTEM_DEFAULT
+    if text == _SYSTEM_DEFAULT:  # a subscriber of Fast DDS is best effort then, one of other middlewares reliable
+        return "reliable" if endpoint.kind == "publisher" else ""
     if endpoint.reliability.startswith("$("):
         return _QOS_VALUES.get(text) or _QOS_PROFILES.get(text, "reliable")
     return text
