@@ -47,8 +47,8 @@ def distributions_of(tops: Iterable[Path], packages: Packages) -> tuple[str, ...
             elif path.parent not in folders:
                 above.update(_names_in(path))
     counts = beside or above
-    if len(counts) == 1:
-        return tuple(counts)
+    if len(counts) == 1 or (counts and counts.keys().isdisjoint(DISTRIBUTIONS)):
+        return (counts.most_common(1)[0][0],)
     return tuple(sorted(DISTRIBUTIONS, key=lambda name: -counts[name]))
 
 
@@ -77,14 +77,17 @@ def checked_for(distributions: Sequence[str], check: Callable[[str], Checked]) -
     found = checked[best]
     findings = check("").findings if None in others.values() else []
     own = {_key(finding)[:2] for finding in findings if finding.severity in _COMPARED}
+    old = {finding.span.file for finding in found.findings if isinstance(finding, OldName)}
     found.findings = [
-        finding if _key(finding)[:2] in own and not isinstance(finding, OldName) else _compared(finding, best, others)
+        finding
+        if _key(finding)[:2] in own and not isinstance(finding, OldName)
+        else _compared(finding, best, others, finding.span.file in old and finding.rule.id[:3] == "PAR")
         for finding in found.findings
     ]
     return found
 
 
-def _compared(finding: Diagnostic, first: str, others: Mapping[str, Set[_Key] | None]) -> Diagnostic:
+def _compared(finding: Diagnostic, first: str, others: Mapping[str, Set[_Key] | None], beside_old: bool) -> Diagnostic:
     parts = [
         f"there is no catalogue of {name}" if keys is None else f"not in {name}"
         for name, keys in others.items()
@@ -92,6 +95,8 @@ def _compared(finding: Diagnostic, first: str, others: Mapping[str, Set[_Key] | 
     ]
     if others and isinstance(finding, OldName):
         parts.append("right in older distributions")
+    elif others and beside_old:
+        parts.append("the file has a name of an older distribution")
     if finding.severity not in _COMPARED or not parts:
         return finding
     lowered = as_hint if _OLDER & set(others) else as_warning

@@ -562,6 +562,7 @@ _LEVELS: Mapping[str, tuple[str, str, list[str]]] = {
         _parameters("ekf", "frequency: &f 30.0", "sensor_timeout: *f"),
         ["fatal LCH101"],
     ),
+    "a tab before a comment": ("", _parameters("ekf", "frequency: 30.0\t# not *an alias"), []),
     "numbers of two types in a list": (
         _node("my_rover", "driver", name="driver"),
         _parameters("driver", "gains: [1, 0.5]"),

@@ -1,11 +1,8 @@
 """The examples of Nav2, RTAB-Map, RealSense, robot_localization, STVL and the IMU filter: no false finding.
 
-The examples are not part of this repository. The tests run if the environment variable ROVERLINK_LAUNCH_EXAMPLES names
-a folder with the folders `humble` and `jazzy`, each with the checkouts from which the catalogue was extracted (the
-command `roverlink check-launch --list` shows the commits).
-
-The examples have mistakes, which the check finds. Each was compared with the sources: the node declares no parameter of
-this name, or pluginlib knows no plugin of this name. They are listed here by what the findings say.
+The tests run if the environment variable ROVERLINK_LAUNCH_EXAMPLES names a folder with the folders `humble` and
+`jazzy`, each with the checkouts from which the catalogue was extracted (`roverlink check-launch --list`).
+The examples have mistakes, which were compared with the sources. They are listed here by what the findings say.
 """
 
 from __future__ import annotations
