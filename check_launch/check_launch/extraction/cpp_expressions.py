@@ -30,6 +30,9 @@ _OF_PARAMETER_TYPE = re.compile(r"PARAMETER_(BOOL|INTEGER|DOUBLE|STRING)(_ARRAY)
 _IDENTIFIER = re.compile(r"^(?:this->)?[A-Za-z_]\w*$")
 _STATEMENT = r'(?:"(?:\\.|[^"\\\n])*"|[^;"])'
 """Part of a statement: a literal, which may have a semicolon, or another character."""
+_TYPE = re.compile(r"\b((?:std::)?[\w:]+(?:<[\w:, ]+>)?)(?:\s+&)?$")
+"""Type of a variable whose name follows."""
+_LONGEST_TYPE = 200
 _STATEMENT_START, _STATEMENT_END = 300, 4000  # most characters of a declaration before and after the name
 _QUALIFIERS = r"(?:(?:static|const|constexpr|inline|mutable)\s+)*"
 TYPES: Mapping[str, str] = {
@@ -208,10 +211,9 @@ class Scope:
         return "".join(self._streamed(expression.removesuffix(".str()")) or [])
 
     def _declared_type(self, name: str) -> str:
-        matches = list(
-            re.finditer(rf"\b((?:std::)?[\w:]+(?:<[\w:, ]+>)?)\s+&?\s*{re.escape(name)}\b\s*[=;({{]", self._before)
-        )
-        written = matches[-1][1] if matches else self._member_type(name)
+        uses = [use.start() for use in re.finditer(rf"\b{re.escape(name)}\s*[=;({{]", self._before)]
+        texts = (self._before[max(0, end - _LONGEST_TYPE) : end].rstrip() for end in reversed(uses))
+        written = next((match[1] for text in texts if (match := _TYPE.search(text))), None) or self._member_type(name)
         if not written:
             return ""
         if match := _VECTOR.match(written):

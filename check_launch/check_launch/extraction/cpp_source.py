@@ -24,7 +24,7 @@ _PARENTHESES = re.compile(r"\([^()]*\)")
 _INITIALIZERS = re.compile(r"\0[^\0:]*:(?!:)")
 """Beginning of a constructor's initializers, behind its arguments."""
 _BASE = re.compile(r"\b(?:public|protected|private|virtual)\s+")
-_IF = re.compile(r"\s*(?P<other>else\b)?\s*(?:if\s*\((?P<condition>.*)\))?\s*$", re.DOTALL)
+_IF = re.compile(r"(?P<other>else\b)?\s*(?:if\s*\((?P<condition>.*)\))?", re.DOTALL)
 _ALIAS = re.compile(
     r"\b(?:using\s+(?P<name>\w+)\s*=\s*(?P<type>.+)|typedef\s+(?P<old>.+?)\s+(?P<new>\w+))\s*$", re.DOTALL
 )
@@ -203,8 +203,8 @@ class CppSource:
 
 def _conditions(header: str, before: Conditions) -> Conditions:
     """Return the conditions of the block behind a header, from those of the block before it."""
-    match = _IF.match(header)
-    if not match or not match[0].strip():
+    match = _IF.fullmatch(header.strip())
+    if not match or not match[0]:
         return ()
     failed = (*before[:-1], (before[-1][0], False)) if before and match["other"] else ()
     return (*failed, (match["condition"].strip(), True)) if match["condition"] else failed
