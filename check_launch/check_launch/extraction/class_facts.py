@@ -53,6 +53,8 @@ _VALUE = re.compile(
 """A value in a condition: a parameter that is read there, or a variable."""
 _OF_LIBRARY = re.compile(r"(?:this->)?params?_?(?:->|\.)(?=\w)")
 """Beginning of a parameter of a library: ``params_.use_stamped_vel``."""
+_MEMBER = re.compile(r"(?:_ptr<\s*|\b)((?:\w+::)*\w+)(?:<[^<>;]*>)?(?:\s*>)?\s+\w+\s*(?:;|\{[^{}]*\}\s*;)")
+"""A declaration of an object. Each part begins with another character, as the spaces of a comment are many."""
 _OPERATORS = {"&&": " and ", "||": " or ", "!": " not "}
 _LONGEST_TYPE = 400  # characters
 _NAMED = re.compile(r"\b(\w+)::\1\([^{};]*?\)\s*:\s*(?:\w+::)*\w+\(\s*\"(\w+)\"")
@@ -442,16 +444,14 @@ class _PackageReader:
     def _note_members(self, source: CppSource) -> None:
         """Remember of which classes a class has objects: a controller server has a subscriber of odometry."""
         short = {name.rpartition("::")[2] for name in self._classes}
-        for match in re.finditer(
-            r"(?:_ptr<\s*)?((?:\w+::)*\w+)(?:<[^<>;]*>)?\s*>?\s+\w+\s*(?:;|\{[^{}]*\}\s*;)", source.text
-        ):
+        for match in _MEMBER.finditer(source.text):
             owner = self._declared(source.owner(match.start()))
             if owner and match[1].rpartition("::")[2] in short:
                 self._facts(owner).parts.setdefault(match[1], set())
 
     def _note_library(self, source: CppSource) -> None:
         """Give the parameters of a library to the class that has its `ParamListener`."""
-        for match in re.finditer(r"\b(?:(\w+)::)?ParamListener\b", source.text):
+        for match in re.finditer(r"\bParamListener\b", source.text) if "ParamListener" in source.text else ():
             owner = self._declared(source.owner(match.start()))
             included = [
                 name for name in self._libraries if re.search(rf"[/\"<]{re.escape(name)}\.hpp[\">]", source.text)

@@ -99,6 +99,8 @@ class CppSource:
 
     def calls(self, names: frozenset[str]) -> Iterator[Call]:
         """Yield the calls of functions with one of the names, in the order of the file."""
+        if not any(name in self.text for name in names):
+            return
         wanted = "|".join(sorted(map(re.escape, names), key=len, reverse=True))
         head = re.compile(rf"(?:\b(\w+)\s*(?:\.|->)\s*)?\b(?:\w+::)*({wanted})\b\s*")
         for match in head.finditer(self.text):

@@ -92,5 +92,5 @@ def read_package(folder: Path) -> PackageFacts:
         dict(plugins_of_package(folder)),
         built.is_partial,
         sorted(built.words),
-        sorted(texts_of_sources(folder)),
+        sorted(set(texts_of_sources(folder))),
     )

@@ -10,10 +10,12 @@ from check_launch.expansion.source_trees import source_folders
 from check_launch.extraction.class_facts import LARGEST_SOURCE
 from roverlink import bounded_files
 
-_CPP = re.compile(r"//[^\n]*|/\*.*?\*/|\"((?:[^\"\\\n]|\\.)*)\"", re.DOTALL)
-_PYTHON = re.compile(r"#[^\n]*|(?:\"\"\".*?\"\"\"|'''.*?''')|\"((?:[^\"\\\n]|\\.)*)\"|'((?:[^'\\\n]|\\.)*)'", re.DOTALL)
+_NAME = r"(~?[\w./-]{2,80})"
+_CPP = re.compile(rf"//[^\n]*|/\*.*?\*/|\"{_NAME}\"|\"(?:[^\"\\\n]|\\.)*\"", re.DOTALL)
+_PYTHON = re.compile(
+    rf"#[^\n]*|\"\"\".*?\"\"\"|'''.*?'''|\"{_NAME}\"|\"(?:[^\"\\\n]|\\.)*\"|'{_NAME}'|'(?:[^'\\\n]|\\.)*'", re.DOTALL
+)
 _TEXTS = {".cpp": _CPP, ".cc": _CPP, ".hpp": _CPP, ".h": _CPP, ".py": _PYTHON}
-_NAME = re.compile(r"~?[\w./-]{2,80}")
 _NO_NODES = frozenset({"launch", "test", "tests"})
 
 
@@ -28,5 +30,4 @@ def texts_of_sources(folder: Path) -> Iterator[str]:
                 source = bounded_files.read(path, LARGEST_SOURCE).decode(errors="replace")
             except OSError:  # not readable, or too large to be source code
                 continue
-            texts = ("".join(filter(None, match.groups())) for match in kind.finditer(source))
-            yield from filter(_NAME.fullmatch, texts)
+            yield from (match[match.lastindex] for match in kind.finditer(source) if match.lastindex)

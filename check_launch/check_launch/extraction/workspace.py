@@ -86,9 +86,10 @@ class _KeptFacts:
         """Return the facts of the package in a folder."""
         state = _state(folder)
         before = self._before.get(str(folder))
-        facts = PackageFacts.from_stored(before["facts"]) if before and before["state"] == state else None
-        if facts is None:
-            facts = read_package(folder)
+        if before and before["state"] == state:
+            self._now[str(folder)] = before
+            return PackageFacts.from_stored(before["facts"])
+        facts = read_package(folder)
         self._now[str(folder)] = {"state": state, "facts": facts.stored()}
         return facts
 
