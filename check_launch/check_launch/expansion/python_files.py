@@ -15,6 +15,7 @@ import traceback
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from types import CodeType, MappingProxyType
 from typing import Any
@@ -62,8 +63,6 @@ class PythonFile:
         if not self._declaration:
             raise UnreadableFileError(Span(shown), f"the file has no function {_FUNCTION}")
         self._stand_ins.read(self._tree)
-        self._imports_all = any(isinstance(node, ast.alias) and node.name == "*" for node in ast.walk(self._tree))
-        self._reads_command_line = any(getattr(node, "attr", "") == "argv" for node in ast.walk(self._tree))
         self._imported = dict(imported_modules(self._tree))
         self._missing: dict[str, int] = {}
         self._has_opened_unknown = False
@@ -168,9 +167,9 @@ class PythonFile:
             return "the stand-in of this object does not have it"
         if isinstance(error, ImportError) and not self._packages.holds(error.path or ""):
             return f"perhaps another '{error.name}' is installed where ROS 2 is"
-        if isinstance(error, EOFError) or self._reads_command_line:
+        if isinstance(error, EOFError) or any(getattr(node, "attr", "") == "argv" for node in ast.walk(self._tree)):
             return "it reads what a user types"
-        if isinstance(error, NameError) and self._imports_all:
+        if isinstance(error, NameError) and any(getattr(node, "name", "") == "*" for node in ast.walk(self._tree)):
             return "perhaps a module gives it, of which the file imports all names"
         text = str(error)
         if RUN_TIME in text or UNKNOWN_SHARE in text or self._has_opened_unknown or _Process.is_replaced:
@@ -224,12 +223,7 @@ class _Environment(dict[str, str]):
 
 def _parsed(path: Path, shown: str) -> tuple[ast.Module, CodeType]:
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of escapes in a stranger's texts
-            tree = ast.parse(bounded_files.read(path), str(path))
-            # It refuses more than the grammar, such as an argument that is given twice. With `dont_inherit`, the
-            # `annotations` of this module are not those of the file.
-            return tree, compile(tree, str(path), "exec", dont_inherit=True)
+        return _compiled(bounded_files.read(path), str(path))
     except OSError as error:
         raise UnreadableFileError(Span(shown), f"cannot read the file: {error.strerror or error}") from error
     except SyntaxError as error:
@@ -237,6 +231,16 @@ def _parsed(path: Path, shown: str) -> tuple[ast.Module, CodeType]:
         raise UnreadableFileError(place, f"not valid Python: {error.msg}") from error
     except (ValueError, RecursionError, MemoryError) as error:
         raise UnreadableFileError(Span(shown), f"not valid Python: {error}") from error
+
+
+@cache  # the parent process parses the files, and each child needs some of them
+def _compiled(source: bytes, path: str) -> tuple[ast.Module, CodeType]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of escapes in a stranger's texts
+        tree = ast.parse(source, path)
+        # It refuses more than the grammar, such as an argument that is given twice. With `dont_inherit`, the
+        # `annotations` of this module are not those of the file.
+        return tree, compile(tree, path, "exec", dont_inherit=True)
 
 
 def line_of_launch_description(tree: ast.Module) -> int:
@@ -265,7 +269,7 @@ def is_python(path: Path) -> bool:
 def is_launch_program(path: Path) -> bool:
     """Return true if a Python file can be read, and declares the function that `ros2 launch` calls."""
     try:
-        return line_of_launch_description(_parsed(path, str(path))[0]) > 0
+        return line_of_launch_description(_parsed(path.resolve(), str(path))[0]) > 0
     except UnreadableFileError:
         return True  # so that the check says why
 

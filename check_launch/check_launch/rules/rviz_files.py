@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import yaml
@@ -45,9 +46,14 @@ class RvizFile:
 def read_rviz_file(path: str, shown: str) -> RvizFile | None:
     """Read a configuration; None if there is none that can be read."""
     try:
-        root = compose(text_of_file(Path(path), shown), shown)
+        return _contents(text_of_file(Path(path), shown), shown)
     except UnreadableFileError:
         return None
+
+
+@cache
+def _contents(text: str, shown: str) -> RvizFile:
+    root = compose(text, shown)
     manager = _entries(root).get("Visualization Manager")
     topics: list[RvizTopic] = []
     plugins: list[tuple[str, Span]] = []
