@@ -45,6 +45,8 @@ class Limits:
 
 
 DEFAULT_LIMITS = Limits()
+AT_ONCE = min(4, os.cpu_count() or 1)
+"""Most processes beside each other. Each may take a gibibyte of memory."""
 
 
 class ChildEndedError(Exception):

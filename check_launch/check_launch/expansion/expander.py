@@ -31,7 +31,14 @@ from check_launch.expansion.actions import (
     SetRemap,
     StartNode,
 )
-from check_launch.expansion.child_process import DEFAULT_LIMITS, ChildEndedError, ChildWaitsError, Limits, started
+from check_launch.expansion.child_process import (
+    AT_ONCE,
+    DEFAULT_LIMITS,
+    ChildEndedError,
+    ChildWaitsError,
+    Limits,
+    started,
+)
 from check_launch.expansion.declarative_files import OfRos1Error, read_declarative
 from check_launch.expansion.entities import UnreadableFileError
 from check_launch.expansion.launch_context import Context, Packages, package_of_share
@@ -81,7 +88,6 @@ _MOST_INCLUDES = 1000
 _MOST_NODES = 5000
 _MOST_MEANT = 3  # names in advice
 _MOST_VARIATIONS = 200
-_AT_ONCE = min(4, os.cpu_count() or 1)  # launch files; each may take a gibibyte of memory
 _FROM_ROS1 = "in ROS 2 it is <node exec=...>, <param from=...>, $(var x) and $(find-pkg-share x)"
 _WRONG_NODE = re.compile(r"[^A-Za-z0-9_]|^\d")
 _WRONG_TOPIC = re.compile(r"[^A-Za-z0-9_/~{}:*\\]|(?:^|/)\d")
@@ -214,7 +220,7 @@ class Expander:
         found: list[Expansion] = []
         path = path.resolve()  # the child has another working folder
         place = Span(self.shown(str(path)))
-        for expected, given in itertools.islice(self._expected, max(0, _AT_ONCE - len(self._begun))):
+        for expected, given in itertools.islice(self._expected, max(0, AT_ONCE - len(self._begun))):
             self._begun[expected] = started(partial(self._variants, expected, given), self._limits)
         begun = self._begun.pop(path, None) or started(partial(self._variants, path, arguments), self._limits)
         try:

@@ -23,7 +23,7 @@ from check_launch.catalogue.facts import (
     Transform,
 )
 from check_launch.extraction.class_facts import NODE_CLASSES, ClassFacts, EndpointFact
-from check_launch.extraction.package_facts import PackageFacts, read_package
+from check_launch.extraction.package_facts import PackageFacts, read_packages
 from check_launch.extraction.rtabmap_parameters import core_parameters
 from check_launch.extraction.supplement import Supplement
 
@@ -84,9 +84,9 @@ class Assembler:
         self,
         checkouts: Iterable[Checkout],
         supplement: Supplement,
-        read: Callable[[Path], PackageFacts] = read_package,
+        read: Callable[[Sequence[Path]], Mapping[Path, PackageFacts]] = read_packages,
     ) -> None:
-        """``read`` returns the facts of the package in a folder."""
+        """``read`` returns the facts of the packages in folders."""
         self._supplement = supplement
         self._packages: dict[str, tuple[Path, Checkout]] = {}
         self._facts: dict[str, PackageFacts] = {}
@@ -107,8 +107,9 @@ class Assembler:
                 self._sets["rtabmap"] = core_parameters(checkout.folder)
             for name, folder in checkout.packages.items():
                 self._packages[name] = folder, checkout
+        found = read([folder for package, (folder, _) in self._packages.items() if package != "rtabmap"])
         for package, (folder, checkout) in self._packages.items():
-            self._facts[package] = read(folder) if package != "rtabmap" else PackageFacts()
+            self._facts[package] = found.get(folder) or PackageFacts()
             other_texts = _other_texts(self._facts[package])
             for class_name, of_class in self._facts[package].classes.items():
                 if checkout.is_supplemented:

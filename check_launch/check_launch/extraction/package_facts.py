@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from check_launch.catalogue.facts import Parameter, Plugin
+from check_launch.expansion.child_process import AT_ONCE, DEFAULT_LIMITS, ChildEndedError, started
 from check_launch.extraction.class_facts import ClassFacts, EndpointFact, ParameterFact, facts_of_package
 from check_launch.extraction.cmake_files import built_by
 from check_launch.extraction.plugin_descriptions import plugins_of_package
@@ -71,6 +75,22 @@ def _parameter(data: Any) -> ParameterFact:
     stated = data["stated"]
     known = Parameter(**{**stated, "choices": tuple(stated["choices"])}) if stated else None
     return ParameterFact(data["type"], data["default"], known)
+
+
+def read_packages(folders: Sequence[Path]) -> dict[Path, PackageFacts]:
+    """Read the files of the packages in folders, on several processors."""
+    shares = [folders[start::AT_ONCE] for start in range(min(AT_ONCE, len(folders)))]
+    begun = [started(partial(_read_each, share), DEFAULT_LIMITS) for share in shares[1:]]
+    found = dict(_read_each(folders[::AT_ONCE]))
+    for results in begun:
+        with suppress(ChildEndedError):  # what a child does not read is read here
+            found |= results
+    return {folder: found.get(folder) or read_package(folder) for folder in folders}
+
+
+def _read_each(folders: Iterable[Path]) -> Iterator[tuple[Path, PackageFacts]]:
+    for folder in folders:
+        yield folder, read_package(folder)
 
 
 def read_package(folder: Path) -> PackageFacts:

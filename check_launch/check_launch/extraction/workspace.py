@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from check_launch.expansion.launch_context import Packages
 from check_launch.expansion.source_trees import source_folders
 from check_launch.extraction.assembling import Assembler, Checkout
 from check_launch.extraction.git_sources import SUFFIXES
-from check_launch.extraction.package_facts import PackageFacts, read_package
+from check_launch.extraction.package_facts import PackageFacts, read_packages
 from check_launch.extraction.supplement import read_supplement
 from roverlink import bounded_files
 from roverlink.runtime.atomic_files import write_whole
@@ -82,16 +83,15 @@ class _KeptFacts:
         except (OSError, ValueError, AttributeError, KeyError):  # not there yet, or not ours: it is written again
             self._before = {}
 
-    def read(self, folder: Path) -> PackageFacts:
-        """Return the facts of the package in a folder."""
-        state = _state(folder)
-        before = self._before.get(str(folder))
-        if before and before["state"] == state:
-            self._now[str(folder)] = before
-            return PackageFacts.from_stored(before["facts"])
-        facts = read_package(folder)
-        self._now[str(folder)] = {"state": state, "facts": facts.stored()}
-        return facts
+    def read(self, folders: Sequence[Path]) -> dict[Path, PackageFacts]:
+        """Return the facts of the packages in folders."""
+        states = {folder: _state(folder) for folder in folders}
+        before = {folder: self._before.get(str(folder)) for folder in folders}
+        kept = {folder: one for folder, one in before.items() if one and one["state"] == states[folder]}
+        found = read_packages([folder for folder in folders if folder not in kept])
+        now = {folder: {"state": states[folder], "facts": facts.stored()} for folder, facts in found.items()}
+        self._now = {str(folder): one for folder, one in {**kept, **now}.items()}
+        return {**found, **{folder: PackageFacts.from_stored(one["facts"]) for folder, one in kept.items()}}
 
     def save(self) -> None:
         """Keep the facts, if they have changed."""
