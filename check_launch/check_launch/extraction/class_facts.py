@@ -268,7 +268,7 @@ class _PackageReader:
                 if spelling in links:
                     return links[spelling]
         if depth < 3:
-            for text in self._texts_of(owner, source):
+            for text in (text for text in self._texts_of(owner, source) if name in text):
                 pattern = (
                     rf"\b{re.escape(name)}_?\s*=\s*\([\w:]+\)\s*(?P<cast>\w+)\s*;"
                     rf"|\b{re.escape(name)}\s*=\s*(?P<library>{_OF_LIBRARY.pattern})?(?P<other>[\w.]+)\s*;"

@@ -30,7 +30,7 @@ _OF_PARAMETER_TYPE = re.compile(r"PARAMETER_(BOOL|INTEGER|DOUBLE|STRING)(_ARRAY)
 _IDENTIFIER = re.compile(r"^(?:this->)?[A-Za-z_]\w*$")
 _STATEMENT = r'(?:"(?:\\.|[^"\\\n])*"|[^;"])'
 """Part of a statement: a literal, which may have a semicolon, or another character."""
-_TYPE = re.compile(r"\b((?:std::)?[\w:]+(?:<[\w:, ]+>)?)(?:\s+&)?$")
+_TYPE = re.compile(r"\b((?:std::)?[\w:]+(?:<[\w:, ]+>)?)\s+&?\s*$")
 """Type of a variable whose name follows."""
 _LONGEST_TYPE = 200
 _STATEMENT_START, _STATEMENT_END = 300, 4000  # most characters of a declaration before and after the name
@@ -212,7 +212,7 @@ class Scope:
 
     def _declared_type(self, name: str) -> str:
         uses = [use.start() for use in re.finditer(rf"\b{re.escape(name)}\s*[=;({{]", self._before)]
-        texts = (self._before[max(0, end - _LONGEST_TYPE) : end].rstrip() for end in reversed(uses))
+        texts = (self._before[max(0, end - _LONGEST_TYPE) : end] for end in reversed(uses))
         written = next((match[1] for text in texts if (match := _TYPE.search(text))), None) or self._member_type(name)
         if not written:
             return ""
@@ -307,14 +307,10 @@ def declared_type(texts: Sequence[str], name: str) -> str | None:
         rf"(?:^|[;{{}}:\n])\s*{_QUALIFIERS}((?:std::)?[\w:]+(?: int| char)?(?:<[\w:, ]+>)?)\s+"
         rf"(?:\w+\s*,\s*)*{re.escape(name)}\s*(?:[;={{,]|\([^)]*\)\s*;)"
     )
-    for text in texts:
-        start = text.find(name)
-        if start < 0:
-            continue
-        if (match := pattern.search(text, max(0, start - _STATEMENT_START))) and match[1] not in (
-            "return",
-            "else",
-            "new",
-        ):
+    uses = re.compile(rf"\b{re.escape(name)}\s*[;={{,(]")
+    places = [(text, use) for text in texts if name in text for use in uses.finditer(text)]
+    for text, use in places:
+        match = pattern.search(text, max(0, use.start() - _LONGEST_TYPE), use.end() + _STATEMENT_START)
+        if match and match[1] not in ("return", "else", "new"):
             return match[1]
     return None
