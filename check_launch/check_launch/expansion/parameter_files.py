@@ -12,10 +12,9 @@ from typing import Any
 
 import yaml
 
-from check_launch.expansion.entities import UnreadableFileError, compose, place_of, plain, text_of_file
+from check_launch.expansion.entities import FAST_LOADER, UnreadableFileError, compose, place_of, plain, text_of_file
 from check_launch.expansion.substitutions import RUN_TIME
 from roverlink import bounded_files
-from roverlink.bounded_yaml import FAST_LOADER
 from roverlink.generator.diagnostics import Span
 
 KEY = "ros__parameters"

@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from roverlink.bounded_yaml import FAST_LOADER
+from check_launch.expansion.entities import FAST_LOADER
 
 _FILE = Path(__file__).with_name("supplement.yaml")
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import yaml
 
-from roverlink.bounded_yaml import FAST_LOADER
+from check_launch.expansion.entities import FAST_LOADER
 
 _FILE = Path(__file__).with_name("stated_facts.yaml")
 
