@@ -122,6 +122,8 @@ def run(arguments: argparse.Namespace) -> int:
     tops = [*_tops(files), *filter(Path.is_dir, paths)]
     packages = Packages([*arguments.packages, *tops])
     values = dict(text.split(_SET, 1) for text in arguments.paths if _SET in text)
+    if "" in values:
+        raise SetupError(f"write the name of an argument before '{_SET}'")
     limits = Limits(seconds=arguments.time_limit)
 
     def check(distribution: str) -> Checked:

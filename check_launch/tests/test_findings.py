@@ -831,7 +831,7 @@ def test_arguments_are_set_as_for_ros2_launch(write: Write, check: Check) -> Non
     write({"a_launch.yaml": f"launch:\n{nodes}"})
     assert check("a_launch.yaml") == (0, [])
     assert check("a_launch.yaml", "exec:=rtab") == (1, ["a_launch.yaml:3:5: LCH108 did you mean 'rtabmap'?"])
-    assert check("a_launch.yaml", "exce:=rtabmap") == (1, ["a_launch.yaml:None:None: LCH104 did you mean 'exec'?"])
+    assert check("a_launch.yaml", "exe:=rtabmap") == (1, ["a_launch.yaml:None:None: LCH104 did you mean 'exec'?"])
 
 
 def test_a_launch_file_that_starts_everything_has_no_loose_ends(write: Write, check: Check) -> None:

@@ -267,7 +267,8 @@ def _unknown_arguments(names: Iterable[str], launch_files: Iterable[Path], check
     paths = [*launch_files, *map(Path, checked.evaluated)]
     is_complete = not any(finding.rule is NotExpanded for finding in checked.findings)
     for name in names if paths else ():
-        if name not in checked.declared and not any(name in _text_of(path) for path in paths):
+        word = re.compile(rf"\b{re.escape(name)}\b")
+        if name not in checked.declared and not any(word.search(_text_of(path)) for path in paths):
             place, message = Span(shown_path(str(paths[0]))), f"no launch file has the argument '{name}'"
             finding = UndeclaredArgument.at(place, message, did_you_mean(all_nearest(name, checked.declared, 0.7)))
             yield as_warning(finding) if is_complete else as_hint(finding)

@@ -201,7 +201,8 @@ class FieldNumberVanished(LintRule, id="ENV103"):
                 back = f"give {unpublished[0]!r} the number {entry.number} again"
             else:
                 back = "put the row back"
-            help = f"{back}, or add to `retired`: - {entry_text}"
+            rename = f", and rename {entry.name!r}" if entry.name in unpublished else ""
+            help = f"{back}, or add to `retired`: - {entry_text}{rename}"
             of_ledger = entry in context.ledger.entries
             span = entry.span if of_ledger else Span(table.file)  # an earlier state cannot be edited
             also = [] if of_ledger else [(entry.span, "published here")]
