@@ -1,9 +1,8 @@
 """Every change of one character in every key of the shipped parameter files: half a million misspelt parameters.
 
-A whole check for each of them would take an hour. The launch files are expanded once, and each changed key is looked up
-among the parameters of the nodes that get it. Where the lookup cannot decide, because the new name is known or the key
-is the name of a plugin, the rules about parameters judge. `test_shipped_files` checks one change of each key with the
-whole command.
+The launch files are expanded once, and each changed key is looked up among the parameters of the nodes that get it.
+Where the new name is known or the key is the name of a plugin, the rules about parameters judge. `test_shipped_files`
+checks one change of each key with the whole command.
 """
 
 from __future__ import annotations

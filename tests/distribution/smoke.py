@@ -3,8 +3,7 @@
 The wheels are installed into an environment that has nothing else. In an empty folder, roverlink must do the three
 jobs of a user: edit the table and regenerate, lint in CI, and use the handlers in a program. And it must lint a
 repository without a table, with the command in docs/lint.md. roverkit and check-launch must add their commands to it.
-roverlink has its native core if there was a C++ compiler, with which `make dist` builds the wheels from the sdists.
-Then pip builds the sdists where no compiler is, in environments of its own. What runs must work without the core.
+roverlink has its native core if there was a C++ compiler. Without one, what pip builds must work without the core.
 
 Only the standard library of Python is there when this script starts. Exit code 0: all jobs passed; 1: a job failed.
 """

@@ -4,10 +4,8 @@ A workspace in build/ros-package gets the interface package and the package of l
 for what Debian does not have, the standard interfaces that the first one depends on, and a package that converts its
 messages in C++. `colcon build` builds it; then these programs must give what the Python handlers give, and the others
 are started as `ros2 run` would, with the links of `--symlink-install`. The package with a vendored runtime is built
-without the project and moved; its bridge must run with the system's Python, which has nothing of ours, and with its own
-native core. What each message is made of, rosidl says in `test_package.py`. In a shell in which ROS 2 is sourced, all
-that is ROS 2's is taken from there; from Iron on, rosidl computes type hashes, which must be those of the generated
-Python.
+without the project and moved; its bridge must run with the system's Python and its own native core. In a shell in which
+ROS 2 is sourced, its parts are taken from there; from Iron on, its type hashes must be those of the generated Python.
 
 Exit code 0: it builds, and all of that holds; 1: it does not; 2: a tool is missing.
 """

@@ -4,7 +4,6 @@ Each distribution gets an environment in `.ros2/`, with the wheels and with rove
 interface package in `generated/ros` against it, and what the tests need of `nav2_msgs`, `tf2_msgs` and `vision_msgs`,
 of which PyPI has no wheels. Then pytest runs in this environment: rclpy nodes with the classes that rosidl generated
 judge what `roverlink run` and the other programs do.
-Environment and packages are made again only where what goes into them has changed.
 
     python tests/ros2/run.py                    both distributions
     python tests/ros2/run.py jazzy -k graph     one of them, with arguments for pytest

@@ -748,9 +748,8 @@ class _Run:
             place = error.place if error.place.line else given.place
             self._report(UnreadableLaunchFile, place, str(error) if error.place.line else f"{shown}: {error}")
             return None
-        if (
-            self.context.packages.is_temporary(path) and path not in self.context.sources
-        ):  # made by the launch file, and with another name each time
+        # A file that the launch file makes has another name each time.
+        if self.context.packages.is_temporary(path) and path not in self.context.sources:
             shown, sections = self._expander.shown(self._path), [section.at(given.place) for section in sections]
         refused = self._expander.refused(path)
         if refused and given.rewrites is None and not of_component:

@@ -1,7 +1,6 @@
 """`roverlink check-launch` with the real packages launch and launch_ros, which PyPI does not have.
 
-The tests run if the environment variable ROVERLINK_LAUNCH_EXAMPLES names a folder with the checkouts that
-`check_launch/tests/test_upstream_examples.py` needs: the sources of both packages are among them.
+They run if ROVERLINK_LAUNCH_EXAMPLES names a folder with the checkouts that `test_upstream_examples.py` needs.
 """
 
 from __future__ import annotations
